@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// A compute program: an embedded SPIR-V module with its specialization constants. Bindings, strides,
+// push-constant size and workgroup size are reflected from the words, so the host repeats nothing.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace plumb {
+
+// One embedded module; the generated header <spirv/NAME.h> defines `plumb::spirv::NAME` of this type.
+struct Module {
+    std::string_view name;             // stem of the .comp
+    std::span<const uint32_t> words;
+    std::string_view sha256;           // of the words, hex
+};
+
+enum class BindingKind : uint32_t { storage, uniformTexel, uniformBuffer };
+enum class TexelType : uint32_t { none, floating, unsignedInt, signedInt };
+
+struct ReflectedBinding {
+    uint32_t binding = 0;
+    BindingKind kind = BindingKind::storage;
+    uint32_t strideBytes = 0;          // of the runtime array's element; 0 for texel buffers
+    TexelType texel = TexelType::none;
+    std::string name;
+    bool readonly = false, writeonly = false;
+};
+
+struct Reflection {
+    std::vector<ReflectedBinding> bindings;  // sorted by binding number; set 0 only
+    uint32_t pushConstantBytes = 0;
+    uint32_t localSize[3] = {1, 1, 1};       // default; a LocalSizeId is resolved against the constants given
+    std::vector<uint32_t> specializationIds; // sorted
+};
+
+// Throws Error(device) naming the module when the words are not a compute module this reader understands.
+Reflection reflect(const Module& module, const std::map<uint32_t, uint32_t>& constants = {});
+
+// constant_id -> 32-bit value (bool 0/1, int, float bits).
+using Specialization = std::map<uint32_t, uint32_t>;
+
+}  // namespace plumb

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Records dispatches, runs them, and shows that they ran. Between two dispatches stands a full compute
+// barrier (free on lavapipe). Every dispatch has a status slot: each workgroup that reached its end adds 1 to
+// `finished`, each invocation that stopped early (loop budget) sets a bit in `fault`; run() checks both, so a
+// truncated loop, a partial dispatch, a lost device or a dropped submission all throw.
+//
+// Every module declares   layout(binding = 0, scalar) buffer Status { StatusSlot status[]; };
+// and its push block begins with   uint statusSlot;   (shaders/shared/status.h). The recorder binds and fills both.
+#pragma once
+
+#include "host/buffer.h"
+#include "host/program.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace plumb {
+
+enum class View : uint32_t { storage, texelU32, texelU32x2, texelU32x4, texelF32, texelF32x4 };
+
+// What is bound at binding i+1 (0 is the status). Offset and range in bytes; range 0 = to the end.
+// A storage range or a texel count above the device's limit is refused with a sentence.
+struct Bound {
+    const RawBuffer* buffer = nullptr;
+    View view = View::storage;
+    uint32_t elementBytes = 0;  // sizeof(T) for storage: compared with the stride that the module declares
+    uint64_t offset = 0;
+    uint64_t range = 0;
+};
+
+template <class T>
+Bound storage(const Buffer<T>& buffer, uint64_t firstElement = 0, uint64_t count = 0) {
+    return {&buffer, View::storage, uint32_t(sizeof(T)), firstElement * sizeof(T), count * sizeof(T)};
+}
+inline Bound texels(const RawBuffer& buffer, View view, uint64_t offset = 0, uint64_t range = 0) {
+    return {&buffer, view, 0, offset, range};
+}
+
+struct PassTime {
+    std::string pass;      // label given to dispatch(); equal labels of one frame are added up
+    double ms = 0;         // device time stamps; host time when the device has none
+    uint32_t dispatches = 0;
+};
+
+struct RecorderImpl;
+
+class Recorder {
+public:
+    explicit Recorder(Device& device);
+    ~Recorder();
+    Recorder(Recorder&&) noexcept;
+
+    // Records one dispatch of `items` invocations along x (rounded up to the local size; more groups than
+    // maxComputeWorkGroupCount[0] go to y: modules compute their item from both, see shaders/shared/status.h).
+    // `push` is a struct whose first member is `uint statusSlot` (overwritten here); its size must equal the module's.
+    // bindings[i] is bound at binding i+1. Refuses (Error(failed), a sentence naming module and binding) what does
+    // not fit: kinds, strides, texel types, count of bindings, push size, unknown constant ids, ranges.
+    template <class Push>
+    void dispatch(const char* label, const Module& module, uint64_t items, Push push,
+                  std::initializer_list<Bound> bindings, const Specialization& constants = {}) {
+        static_assert(sizeof(Push) % 4 == 0);
+        record(label, module, items, &push, sizeof(Push), {bindings.begin(), bindings.size()}, constants);
+    }
+    void fill(const char* label, const RawBuffer& buffer, uint32_t word, uint64_t offset = 0, uint64_t bytes = 0);
+
+    // Submits what was recorded, waits (time-out `watchdogMs`), checks the status slots, collects the times, and
+    // is empty again. Throws Error(failed): "fill: 12 of 240 workgroups did not finish", "... loop budget", lost, timeout.
+    void run(double watchdogMs = 60000);
+
+    // Times of everything run since the last takeTimes(), in order of first appearance.
+    std::vector<PassTime> takeTimes();
+
+private:
+    void record(const char* label, const Module& module, uint64_t items, void* push, size_t pushBytes,
+                std::span<const Bound> bindings, const Specialization& constants);
+    std::unique_ptr<RecorderImpl> impl_;
+};
+
+}  // namespace plumb

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// A scene becomes a picture: on the device or by the twin, same arguments, same bytes.
+#pragma once
+
+#include "host/device.h"
+#include "host/recorder.h"
+#include "pipeline/render/frame.h"
+#include "pipeline/scene/scene.h"
+
+#include <functional>
+
+namespace plumb {
+
+struct RenderRequest {
+    uint32_t width = 640, height = 480;
+    Shading shading = Shading::phong;
+    Encoding encoding = Encoding::srgb;
+    uint32_t samples = 1;                 // 1, 4, 16: ordered grid
+    glm::vec3 background{0.0f};           // linear RGB
+    bool transparent = false;             // RGBA output, background alpha 0
+    uint32_t planes = kPlaneColour;       // Plane bits
+    uint32_t threads = 0;                 // twin: 0 = all
+    // Limits for tests; 0 = from the device and the budget.
+    uint64_t chunkTriangles = 0;
+    uint32_t bandRows = 0;
+    std::function<bool(double)> onProgress; // 0..1; false cancels (Error(interrupted))
+    double watchdogMs = 60000;
+    bool keepEverything = false;          // drop nothing that a plan would drop (tests of the drops)
+};
+
+// What runs and what was dropped, decided before anything runs.
+struct Plan {
+    struct Drop { std::string what, why; };
+    std::vector<std::string> passes;      // in order
+    std::vector<Drop> dropped;
+    std::vector<std::string> choices;     // e.g. "samples 4: the frame is drawn at 1280x960 and resolved"
+};
+
+struct RenderCounters {
+    uint64_t objects = 0, objectsDrawn = 0, vertices = 0, triangles = 0;
+    uint64_t culledBackFace = 0, culledZeroArea = 0, culledOutside = 0, clipped = 0, drawnTriangles = 0;
+    uint64_t illuminations = 0;           // flat: faces, Gouraud: vertices, Phong: shaded samples
+    uint64_t chunks = 0, bands = 0, binEntries = 0, edges = 0;
+};
+
+struct RenderResult {
+    Frame frame;
+    Plan plan;
+    RenderCounters counters;
+    std::vector<PassTime> times;          // per pass, ms
+    double totalMs = 0;                   // host time of the whole render, upload and readback included
+};
+
+Plan planRender(const Scene&, const RenderRequest&);
+RenderResult renderCpu(const Scene&, const RenderRequest&);             // the twin
+RenderResult renderGpu(Device&, const Scene&, const RenderRequest&);
+
+// Compares every pass on the twin's input, then the whole chain on each side's own output.
+struct Mismatch {
+    std::string pass;                     // first pass (in data-flow order) that differs
+    bool chain = false;                   // found by the whole-chain comparison
+    std::string what;                     // one sentence: tile, pixel, both values, ULP distance, object, primitive
+};
+struct VerifyPlane { std::string name, twinSha256, deviceSha256; uint64_t differing = 0; };
+struct VerifyReport {
+    bool equal = false;
+    std::vector<Mismatch> mismatches;     // empty when equal
+    std::vector<VerifyPlane> planes;      // coverage, triangle, object, primitive, z, linear, colour
+    std::vector<std::pair<std::string, bool>> passes;  // per pass on the twin's input
+    RenderResult twin, device;
+};
+VerifyReport verifyRender(Device&, const Scene&, const RenderRequest&);
+
+}  // namespace plumb

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// Meshes: what a reader returns (polygons as the file has them) and what the passes take (triangles).
+// Object space, float32 as in the file; indices are valid by construction of the readers.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+namespace plumb {
+
+inline constexpr uint32_t kNone = 0xffffffffu;
+
+// Phong material as OBJ/MTL names it. Colours are linear RGB in [0, 1]; Ns in [0, 1e6].
+struct Material {
+    std::string name = "default";
+    glm::vec3 ambient{0.1f};       // Ka
+    glm::vec3 diffuse{0.8f};       // Kd
+    glm::vec3 specular{0.0f};      // Ks
+    glm::vec3 emission{0.0f};      // Ke
+    float shininess = 32.0f;       // Ns, specular exponent
+    float opacity = 1.0f;          // d, 1 - Tr   (kept for ray tracing; the raster passes draw opaque)
+    float refractiveIndex = 1.0f;  // Ni
+    int illum = 2;
+};
+
+// As read: faces of n >= 3 corners. A corner names a position and perhaps a normal.
+struct PolygonMesh {
+    std::string name;
+    std::vector<glm::vec3> positions;
+    std::vector<glm::vec3> normals;          // as in the file; need not be unit
+    struct Corner { uint32_t position; uint32_t normal = kNone; };
+    std::vector<Corner> corners;
+    std::vector<uint32_t> faceFirst;         // size faces + 1; corners of face f: [faceFirst[f], faceFirst[f+1])
+    std::vector<uint32_t> faceMaterial;      // size faces, index into materials or kNone
+    std::vector<uint32_t> faceSmoothing;     // size faces or empty; OBJ `s`: 0 = off (flat), kNone = not stated
+    std::vector<Material> materials;
+    std::vector<glm::vec3> colours;          // per position (PLY), or empty
+    std::vector<std::string> ignored;        // what the file asks for and is not drawn, one entry a kind
+    std::vector<std::string> warnings;       // counted ones, e.g. "material library 'x.mtl' is missing"
+};
+
+// As drawn. A vertex is a distinct (position, normal, material) triple; a face keeps its own record for flat shading.
+struct TriangleMesh {
+    std::string name;
+    std::vector<glm::vec3> positions;        // per vertex
+    std::vector<glm::vec3> normals;          // per vertex, unit length (+-2 ulp), never zero
+    std::vector<uint32_t> vertexMaterial;    // per vertex, index into the scene's materials
+    struct Triangle { uint32_t vertex[3]; uint32_t face; };
+    std::vector<Triangle> triangles;         // counter-clockwise seen from outside in a right-handed world
+    std::vector<glm::vec3> faceCentre;       // per face: mean of its corners
+    std::vector<glm::vec3> faceNormal;       // per face: Newell's normal, unit; zero-area faces: (0,0,1), counted
+    std::vector<uint32_t> faceMaterial;      // per face, index into the scene's materials
+    std::vector<glm::uvec2> edges;           // each polygon edge once (by position), as vertex indices; for wire frames
+    uint32_t degenerateFaces = 0;            // zero area
+    uint32_t repairedNormals = 0;            // zero or opposite vertex normals replaced by the face normal
+    uint32_t flushedDenormals = 0;           // |x| < 2^-126 set to +0
+    glm::vec3 boundsMin{0}, boundsMax{0};
+};
+
+}  // namespace plumb

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// A scene as the user means it: binary64 world space, before anything is planned.
+#pragma once
+
+#include "pipeline/scene/mesh.h"
+
+#include <optional>
+
+namespace plumb {
+
+enum class Shading { wire, unlit, flat, gouraud, phong };
+enum class Encoding { srgb, linear };
+enum class Attenuation { none, inverse, inverseSquare };
+
+struct Object {
+    std::string name;
+    uint32_t mesh = 0;
+    glm::dmat4 worldFromObject{1.0};  // column vectors: world = worldFromObject * object
+};
+
+struct Light {
+    bool directional = true;
+    glm::dvec3 direction{0, 0, 1};    // toward the light, world space, any length > 0 (directional)
+    glm::dvec3 position{0};           // world space (point)
+    glm::vec3 intensity{1.0f};        // linear RGB, >= 0
+    Attenuation attenuation = Attenuation::none;
+};
+
+// A pinhole. right, up, forward are orthonormal; in a right-handed world right x up = -forward, in a left-handed one
+// +forward. Screen: x to the right, y down. Focal length in pixels = height / 2 / tan(fovY / 2), or focalPixels.
+struct Camera {
+    glm::dvec3 eye{0}, right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};
+    double fovYDegrees = 45;
+    double focalPixels = 0;           // > 0: the notes' viewer at distance d from the screen; overrides fovY
+    double near = 0;                  // 0: largest power of two not above 2^-10 of `focusDistance`
+    double focusDistance = 1;         // distance from the eye to the framed centre
+};
+
+struct Scene {
+    std::string path;                 // as given
+    std::string sha256;               // of the file's bytes (of the scene file; meshes have their own)
+    std::vector<TriangleMesh> meshes;
+    std::vector<Material> materials;  // at least one
+    std::vector<Object> objects;      // object_id = index here
+    std::vector<Light> lights;
+    glm::vec3 ambient{1.0f};          // Ia, linear RGB
+    std::optional<Camera> camera;     // none: frame it (frameScene)
+    bool leftHanded = false;
+    glm::dvec3 up{0, 1, 0};
+    std::optional<glm::vec3> background;  // linear RGB
+    std::optional<Shading> shading;   // what the file asks for; the command line overrides
+    std::optional<Encoding> encoding;
+    bool cullBackFaces = true;
+    glm::uvec2 size{0};               // 0: not stated
+    std::vector<std::string> ignored; // asked for by a file and not drawn (JSON scene.ignored)
+    std::vector<std::string> warnings;
+};
+
+}  // namespace plumb

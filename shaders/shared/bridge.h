@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// The only file in which GLSL and C++ differ. Everything else in shaders/shared/ reads the same in both.
+// Blocks use scalar layout, so a struct has the same bytes on both sides.
+//
+// Real, Int and Bool are one pixel in C++ (float, int, bool) and four neighbouring pixels of a row on the device
+// (vec4, ivec4, bvec4): lavapipe runs four interleaved chains faster than one. Every operation on them is
+// componentwise, so a lane of the device computes exactly what the twin computes.
+// `precise` is not written in the sources: the build decorates every float operation of every module with
+// NoContraction (toolchain/spirv/), and C++ is compiled with -ffp-contract=off.
+#ifndef PLUMB_BRIDGE_H
+#define PLUMB_BRIDGE_H
+#ifdef __cplusplus
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+#define SHARED_BEGIN namespace plumb::gpu {
+#define SHARED_END }
+#define SHARED_FN inline
+#define SHARED_CONST inline constexpr
+#define INOUT(T) T&
+SHARED_BEGIN
+using glm::ivec2;
+using glm::ivec3;
+using glm::ivec4;
+using glm::uvec2;
+using glm::uvec3;
+using glm::uvec4;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+using uint = std::uint32_t;
+using Real = float;
+using Int = int;
+using Bool = bool;
+inline float pick(bool c, float yes, float no) { return c ? yes : no; }
+inline int pick(bool c, int yes, int no) { return c ? yes : no; }
+inline uint pick(bool c, uint yes, uint no) { return c ? yes : no; }
+inline bool gt(float a, float b) { return a > b; }
+inline bool same(int a, int b) { return a == b; }
+inline float toReal(int i) { return float(i); }
+inline int toInt(float x) { return int(x); }
+inline float real(float x) { return x; }
+inline int bitsOf(float x) { return std::bit_cast<int>(x); }
+inline float realOf(int bits) { return std::bit_cast<float>(bits); }
+inline uint ubitsOf(float x) { return std::bit_cast<uint>(x); }
+inline float floorReal(float x) { return std::floor(x); }
+inline float roundEvenReal(float x) { return std::nearbyint(x); }
+inline int shiftLeft(int x, int n) { return int(uint(x) << n); }
+inline int wrapMul(int a, int b) { return int(uint(a) * uint(b)); }
+inline int wrapAdd(int a, int b) { return int(uint(a) + uint(b)); }
+inline int wrapSub(int a, int b) { return int(uint(a) - uint(b)); }
+SHARED_END
+#else
+#extension GL_EXT_scalar_block_layout : require
+#define SHARED_BEGIN
+#define SHARED_END
+#define SHARED_FN
+#define SHARED_CONST const
+#define INOUT(T) inout T
+#define Real vec4
+#define Int ivec4
+#define Bool bvec4
+float pick(bool c, float yes, float no) { return c ? yes : no; }
+int pick(bool c, int yes, int no) { return c ? yes : no; }
+uint pick(bool c, uint yes, uint no) { return c ? yes : no; }
+vec4 pick(bvec4 c, vec4 yes, vec4 no) { return mix(no, yes, c); }
+ivec4 pick(bvec4 c, ivec4 yes, ivec4 no) { return mix(no, yes, c); }
+bvec4 gt(vec4 a, vec4 b) { return greaterThan(a, b); }
+bool gt(float a, float b) { return a > b; }
+bvec4 same(ivec4 a, ivec4 b) { return equal(a, b); }
+bool same(int a, int b) { return a == b; }
+vec4 toReal(ivec4 i) { return vec4(i); }
+float toReal(int i) { return float(i); }
+ivec4 toInt(vec4 x) { return ivec4(x); }
+int toInt(float x) { return int(x); }
+vec4 real(float x) { return vec4(x); }
+ivec4 bitsOf(vec4 x) { return floatBitsToInt(x); }
+int bitsOf(float x) { return floatBitsToInt(x); }
+vec4 realOf(ivec4 bits) { return intBitsToFloat(bits); }
+float realOf(int bits) { return intBitsToFloat(bits); }
+uint ubitsOf(float x) { return floatBitsToUint(x); }
+vec4 floorReal(vec4 x) { return floor(x); }
+float floorReal(float x) { return floor(x); }
+float roundEvenReal(float x) { return roundEven(x); }
+ivec4 shiftLeft(ivec4 x, int n) { return x << n; }
+int shiftLeft(int x, int n) { return x << n; }
+int wrapMul(int a, int b) { return a * b; }
+int wrapAdd(int a, int b) { return a + b; }
+int wrapSub(int a, int b) { return a - b; }
+#endif
+#endif
