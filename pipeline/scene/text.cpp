@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/scene/text.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <limits>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace plumb {
+namespace {
+
+// Length of the well-formed UTF-8 sequence at text[at] that is safe to print, 0 for none. C1 controls (U+0080 to
+// U+009F), which some terminals obey, and bidirectional overrides (U+202A to U+202E, U+2066 to U+2069) are not safe.
+size_t printableSequence(std::string_view text, size_t at) {
+    const auto byte = [&](size_t i) { return i < text.size() ? uint8_t(text[i]) : uint8_t(0); };
+    const uint8_t first = byte(at);
+    if (first >= 0x20 && first < 0x7f) return 1;
+    const size_t length = first >= 0xc2 && first <= 0xdf ? 2 : (first & 0xf0) == 0xe0 ? 3 : first >= 0xf0 && first <= 0xf4 ? 4 : 0;
+    if (length == 0) return 0;
+    uint32_t code = first & (0xffu >> (length + 1));
+    for (size_t i = 1; i < length; ++i) {
+        if ((byte(at + i) & 0xc0) != 0x80) return 0;
+        code = code << 6 | (byte(at + i) & 0x3f);
+    }
+    constexpr uint32_t kSmallest[] = {0, 0, 0x80, 0x800, 0x10000};
+    if (code < kSmallest[length] || code > 0x10ffff || (code >= 0xd800 && code <= 0xdfff)) return 0;
+    if (code < 0xa0 || (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069)) return 0;
+    return length;
+}
+
+struct FileDescriptor {
+    int fd;
+    ~FileDescriptor() {
+        if (fd >= 0) ::close(fd);
+    }
+};
+
+void refuseUnlessRegular(const struct stat& status, const std::string& place) {
+    if (S_ISREG(status.st_mode)) return;
+    const char* kind = S_ISDIR(status.st_mode)    ? "a folder"
+                       : S_ISFIFO(status.st_mode) ? "a FIFO"
+                       : S_ISSOCK(status.st_mode) ? "a socket"
+                                                  : "a device";
+    throw inputError(place, fmt::format("is {}, not a regular file", kind));
+}
+
+bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+bool isLineEnd(char c) { return c == '\n' || c == '\r'; }
+
+}  // namespace
+
+std::string printable(std::string_view text, size_t maxChars) {
+    std::string out;
+    size_t chars = 0;
+    for (size_t at = 0; at < text.size();) {
+        const size_t length = printableSequence(text, at);
+        const size_t width = length ? 1 : 4;
+        if (chars + width > maxChars) return out + "...";
+        if (length)
+            out += text.substr(at, length);
+        else
+            out += fmt::format("\\x{:02x}", uint8_t(text[at]));
+        chars += width;
+        at += length ? length : 1;
+    }
+    return out;
+}
+
+std::string printablePath(const std::filesystem::path& path) { return printable(path.native()); }
+
+std::string placeOfLine(const std::filesystem::path& file, size_t line, size_t column) {
+    return fmt::format("{}:{}:{}", printablePath(file), line, column);
+}
+std::string placeOfByte(const std::filesystem::path& file, uint64_t offset) {
+    return fmt::format("{}: byte {}", printablePath(file), offset);
+}
+std::string placeOfPointer(const std::filesystem::path& file, std::string_view pointer) {
+    return fmt::format("{}: {}", printablePath(file), printable(pointer));
+}
+
+std::string readWholeFile(const std::filesystem::path& path, uint64_t maxBytes) {
+    const std::string place = printablePath(path);
+    const auto refuse = [&] { return inputError(place, std::strerror(errno)); };
+    if (path.native().find('\0') != std::string::npos) throw inputError(place, "the name has a NUL character");
+    struct stat status {};
+    // Asked before opening, because opening alone can have effects on a device; O_NONBLOCK and the second look cover
+    // an exchange in between.
+    if (::stat(path.c_str(), &status) != 0) throw refuse();
+    refuseUnlessRegular(status, place);
+    const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};
+    if (file.fd < 0 || ::fstat(file.fd, &status) != 0) throw refuse();
+    refuseUnlessRegular(status, place);
+    const uint64_t size = uint64_t(status.st_size);
+    if (size > maxBytes) throw inputError(place, fmt::format("has {} bytes; at most {} are read", size, maxBytes));
+    std::string bytes(size, '\0');
+    for (size_t done = 0; done < size;) {
+        const ssize_t got = ::read(file.fd, bytes.data() + done, std::min<size_t>(size - done, size_t(1) << 30));
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) throw refuse();
+        if (got == 0) throw inputError(placeOfByte(path, done), fmt::format("the file ends before its {} bytes", size));
+        done += size_t(got);
+    }
+    return bytes;
+}
+
+std::filesystem::path resolveReference(const std::filesystem::path& from, std::string_view reference, bool allowOutside,
+                                       const std::string& place, std::string_view field) {
+    namespace fs = std::filesystem;
+    const auto refuse = [&](std::string_view why) {
+        return inputError(place, fmt::format("{} '{}' {}", field, printable(reference), why));
+    };
+    if (reference.empty()) throw refuse("is empty");
+    if (reference.find('\0') != std::string_view::npos) throw refuse("has a NUL character");
+    const fs::path written{std::string(reference)};
+    const fs::path folder = from.parent_path().empty() ? fs::path(".") : from.parent_path();
+    const fs::path target = folder / written;
+    if (allowOutside) return target;
+    if (written.is_absolute()) throw refuse("is absolute; --allow-outside permits it");
+    for (const fs::path& part : written)
+        if (part == "..") throw refuse("leaves the folder of the file that names it; --allow-outside permits it");
+    std::error_code failed;
+    const fs::path root = fs::weakly_canonical(folder, failed);
+    const fs::path real = failed ? fs::path() : fs::weakly_canonical(target, failed);
+    if (failed) throw refuse("cannot be resolved: " + failed.message());
+    const auto [rootEnd, rest] = std::mismatch(root.begin(), root.end(), real.begin(), real.end());
+    if (rootEnd != root.end()) throw refuse("leads outside the folder of the file that names it; --allow-outside permits it");
+    return target;
+}
+
+float finiteFloat(double value, const std::string& place, std::string_view field, double limit) {
+    if (std::isnan(value)) throw inputError(place, fmt::format("{} is NaN", field));
+    if (std::isinf(value)) throw inputError(place, fmt::format("{} is infinite", field));
+    if (std::abs(value) > limit) throw inputError(place, fmt::format("{} is {}; the largest magnitude is {}", field, value, limit));
+    return float(value);
+}
+
+bool parseFloat(std::string_view word, float& value) {
+    const char* at = word.data();
+    const char* const end = at + word.size();
+    if (at != end && *at == '+' && ++at != end && *at == '-') return false;   // from_chars knows no leading plus
+    const auto [rest, error] = std::from_chars(at, end, value);
+    if (rest != end || at == end) return false;
+    if (error == std::errc()) return true;
+    if (error != std::errc::result_out_of_range) return false;
+    // from_chars does not say on which side. Decimal place of the first digit that is not 0, plus the exponent, does:
+    // float32 holds up to 3.4e38 and down to 1.4e-45, so the sign of the sum decides.
+    const bool negative = *at == '-';
+    int64_t place = 0, exponent = 0;
+    bool point = false, significant = false;
+    const char* p = at + negative;
+    for (; p != end && *p != 'e' && *p != 'E'; ++p) {
+        if (*p == '.') {
+            point = true;
+            continue;
+        }
+        if (*p != '0') significant = true;
+        if (significant && !point) ++place;
+        if (!significant && point) --place;
+    }
+    if (p != end) {
+        if (++p != end && *p == '+') ++p;
+        const auto parsed = std::from_chars(p, end, exponent);
+        if (parsed.ec == std::errc::result_out_of_range) exponent = *p == '-' ? -(int64_t(1) << 40) : int64_t(1) << 40;
+    }
+    const float magnitude = place + exponent > 0 ? std::numeric_limits<float>::infinity() : std::numeric_limits<float>::denorm_min();
+    value = negative ? -magnitude : magnitude;
+    return true;
+}
+
+bool parseInteger(std::string_view word, int64_t& value) {
+    const char* at = word.data();
+    const char* const end = at + word.size();
+    if (at != end && *at == '+' && ++at != end && *at == '-') return false;
+    const auto [rest, error] = std::from_chars(at, end, value);
+    return error == std::errc() && rest == end && at != end;
+}
+
+bool Scanner::skipBlanks() {
+    while (at_ != end_) {
+        if (isBlank(*at_)) {
+            ++at_;
+        } else if (continued && *at_ == '\\' && at_ + 1 != end_ && isLineEnd(at_[1])) {
+            at_ += at_[1] == '\r' && at_ + 2 != end_ && at_[2] == '\n' ? 3 : 2;
+        } else {
+            return !isLineEnd(*at_);
+        }
+    }
+    return false;
+}
+
+std::string_view Scanner::word() {
+    const bool any = skipBlanks();
+    token_ = at_;
+    if (!any) return {};
+    while (at_ != end_ && !isBlank(*at_) && !isLineEnd(*at_)) {
+        if (continued && *at_ == '\\' && at_ + 1 != end_ && isLineEnd(at_[1])) break;
+        ++at_;
+    }
+    return {token_, size_t(at_ - token_)};
+}
+
+std::string_view Scanner::restOfLine() {
+    skipBlanks();
+    token_ = at_;
+    while (at_ != end_ && !isLineEnd(*at_)) ++at_;
+    const char* last = at_;
+    while (last != token_ && isBlank(last[-1])) --last;
+    return {token_, size_t(last - token_)};
+}
+
+void Scanner::skipLine() {
+    while (at_ != end_ && !isLineEnd(*at_)) {
+        const bool joins = continued && *at_ == '\\' && at_ + 1 != end_ && isLineEnd(at_[1]);
+        at_ += joins && at_[1] == '\r' && at_ + 2 != end_ && at_[2] == '\n' ? 3 : joins ? 2 : 1;
+    }
+    if (at_ == end_) return;
+    at_ += *at_ == '\r' && at_ + 1 != end_ && at_[1] == '\n' ? 2 : 1;
+}
+
+bool Scanner::lineEnds() { return !skipBlanks(); }
+
+std::string_view Scanner::wordAnywhere(char comment) {
+    while (true) {
+        if (!skipBlanks()) {
+            if (at_ == end_) {
+                token_ = at_;
+                return {};
+            }
+            skipLine();
+        } else if (*at_ == comment) {
+            skipLine();
+        } else {
+            return word();
+        }
+    }
+}
+
+float Scanner::number(std::string_view word, std::string_view field, float limit) {
+    float value = 0;
+    if (word.empty()) refuse(fmt::format("{} is missing", field));
+    if (!parseFloat(word, value)) refuse(fmt::format("{} '{}' is not a number", field, printable(word, 40)));
+    if (!(std::abs(value) <= limit)) {
+        if (std::isnan(value)) refuse(fmt::format("{} is NaN", field));
+        // An infinity that was written as digits is an overflow of float32.
+        if (std::isinf(value) && word.find_first_of("iI") != std::string_view::npos) refuse(fmt::format("{} is infinite", field));
+        refuse(fmt::format("{} is {}; the largest magnitude is {:g}", field, printable(word, 40), limit));
+    }
+    return value;
+}
+
+int64_t Scanner::integer(std::string_view word, std::string_view field) {
+    int64_t value = 0;
+    if (word.empty()) refuse(fmt::format("{} is missing", field));
+    if (!parseInteger(word, value)) refuse(fmt::format("{} '{}' is not an integer", field, printable(word, 40)));
+    return value;
+}
+
+std::string Scanner::placeAt(const char* at) const {
+    size_t line = 1;
+    const char* lineStart = text_.data();
+    for (const char* p = text_.data(); p < at; ++p)
+        if (*p == '\n' || (*p == '\r' && !(p + 1 != end_ && p[1] == '\n'))) {
+            ++line;
+            lineStart = p + 1;
+        }
+    return placeOfLine(file_, line, size_t(at - lineStart) + 1);
+}
+
+void Scanner::refuse(std::string_view message) const { throw inputError(place(), std::string(message)); }
+
+}  // namespace plumb
