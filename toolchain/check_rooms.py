@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Reads every #include of the tree and fails on an arrow against the order in which data flows.
+
+The order (a room may include itself and what stands before it):
+
+    shaders/shared < host < scene < passes < render < image < cli < command < tests
+
+Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
+render/ strings together. cli/ stands late and may include scene/ only: it turns words into a request and knows nothing of passes;
+command/ ties all rooms together and is included by none.
+
+usage: check_rooms.py [ROOT]      exit 0: clean; 1: one line for each fault on stdout
+       check_rooms.py --self-test exit 1 when a forbidden arrow goes unnoticed
+"""
+import os
+import re
+import sys
+import tempfile
+
+# room -> (folders or files of the project it may include, third-party headers it may include)
+ROOMS = {
+    "shaders/shared": (["shaders/shared"], []),
+    "shaders": (["shaders/shared"], []),
+    "host": (["host", "shaders/shared/status.h", "shaders/shared/exact.h", "spirv"], ["vulkan", "fmt"]),
+    "pipeline/scene": (["pipeline/scene", "host/error.h"], ["glm", "fmt", "json", "toml"]),
+    "pipeline/passes": (["pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv"], ["glm", "fmt"]),
+    "pipeline/render": (["pipeline/render", "pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv"],
+                        ["glm", "fmt"]),
+    "pipeline/image": (["pipeline/image", "pipeline/render", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
+    "pipeline/cli": (["pipeline/cli", "pipeline/scene", "host/error.h"], ["cli", "glm", "fmt"]),
+    "pipeline/command": (["pipeline", "host"], ["cli", "glm", "fmt", "json"]),
+    "examples": (["plumbline"], ["glm"]),
+    "tests": (["host", "pipeline", "shaders", "tests", "spirv"],
+              ["vulkan", "cli", "glm", "fmt", "json", "toml", "png", "zlib", "exr", "gtest"]),
+    "toolchain": (["toolchain"], []),  # nothing includes it, and it includes nothing of the product
+}
+
+THIRD_PARTY = {
+    "vulkan": r"volk\.[hc]$|vulkan/|vk_",
+    "fmt": r"fmt/",
+    "glm": r"glm/",
+    "json": r"nlohmann/",
+    "toml": r"toml\+\+/|toml\.hpp$",
+    "png": r"png\.h$",
+    "zlib": r"zlib\.h$",
+    "exr": r"OpenEXR/|Imath|Imf|half\.h$",
+    "cli": r"CLI/",
+    "gtest": r"gtest/|gmock/",
+}
+# C and POSIX headers; headers of the C++ library have neither a dot nor a slash.
+SYSTEM = re.compile(r"(?:(?:std|sys/|linux/|asm/|arpa/|netinet/)\w*|fcntl|unistd|errno|signal|poll|dirent|dlfcn|pthread|sched|"
+                    r"limits|math|string|time|termios|locale|fenv|setjmp|ctype|fnmatch|glob|getopt|spawn|\w*intrin)\.h$")
+SOURCE = (".h", ".hpp", ".cpp", ".c", ".cc", ".comp", ".vert", ".frag", ".glsl")
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
+CONDITIONAL = re.compile(r"^[ \t]*#[ \t]*(if|ifdef|ifndef|elif|else|endif)\b[ \t]*([^\n]*)", re.M)
+
+
+def room_of(path):
+    for room in sorted(ROOMS, key=len, reverse=True):
+        if path.startswith(room + "/"):
+            return room
+    return None
+
+
+def sources(root):
+    for top in ("shaders", "host", "pipeline", "examples", "tests", "toolchain"):
+        for folder, folders, files in os.walk(os.path.join(root, top)):
+            folders.sort()
+            for name in sorted(files):
+                if name.endswith(SOURCE):
+                    yield os.path.relpath(os.path.join(folder, name), root)
+
+
+def resolve(root, path, bracket, name):
+    """Path in the project that an include means; None when it names something outside."""
+    if name.startswith("spirv/"):
+        return name  # generated from shaders/
+    beside = os.path.normpath(os.path.join(os.path.dirname(path), name))
+    if bracket == '"' and os.path.isfile(os.path.join(root, beside)):
+        return beside
+    for base in ("", "shaders"):
+        inside = os.path.normpath(os.path.join(base, name))
+        if os.path.isfile(os.path.join(root, inside)) and not inside.startswith(".."):
+            return inside
+    return None
+
+
+def allowed(entry, target):
+    return target == entry or target.startswith(entry + "/")
+
+
+def check_shared_conditionals(path, text):
+    """bridge.h is where GLSL and C++ differ. Elsewhere in shaders/shared: the include guard, and `#ifndef __cplusplus` blocks that declare
+    what C++ has no words for (a `layout(...)`), with no #else: such a block cannot hold a second version of anything."""
+    depth, block, faults = [], None, []
+    for m in CONDITIONAL.finditer(text):
+        line = text.count("\n", 0, m.start()) + 1
+        word, rest = m.group(1), m.group(2).strip()
+        if word in ("if", "ifdef", "ifndef"):
+            guard = not depth and word == "ifndef" and re.match(r"PLUMB_\w+_H$", rest)
+            device_only = word == "ifndef" and rest == "__cplusplus"
+            if not guard and not device_only:
+                faults.append(f"{path}:{line}: #{word} {rest}: in shaders/shared only bridge.h may differ between the languages")
+            depth.append("device" if device_only else "guard")
+            if device_only:
+                block = m.end()
+        elif word == "endif":
+            if depth and depth.pop() == "device" and "layout(" not in text[block:m.start()]:
+                faults.append(f"{path}:{line}: this __cplusplus block declares no layout(...): its text belongs to both languages")
+        else:
+            faults.append(f"{path}:{line}: #{word}: a second version belongs into bridge.h")
+    return faults
+
+
+def strip_comments(text):
+    blank = lambda m: re.sub(r"[^\n]", " ", m.group(0))
+    return re.sub(r"//[^\n]*|/\*.*?\*/", blank, text, flags=re.S)
+
+
+def check(root):
+    faults, arrows, third_party = [], {}, {}
+    for path in sources(root):
+        with open(os.path.join(root, path), encoding="utf-8") as f:
+            text = strip_comments(f.read())
+        room = room_of(path)
+        arrows[path], third_party[path] = [], set()
+        if room is None:
+            continue
+        inside, outside = ROOMS[room]
+        for m in INCLUDE.finditer(text):
+            bracket, name = m.groups()
+            place = f"{path}:{text.count(chr(10), 0, m.start()) + 1}"
+            target = resolve(root, path, bracket, name)
+            if target is not None:
+                arrows[path].append(target)
+                if not any(allowed(entry, target) for entry in inside):
+                    faults.append(f"{place}: {room} may not include {target}")
+                continue
+            kind = next((k for k, pattern in THIRD_PARTY.items() if re.match(pattern, name)), None)
+            if path == "shaders/shared/bridge.h" and (kind == "glm" or re.match(r"\w+$", name)):
+                continue
+            if kind is not None:
+                third_party[path].add(kind)
+                if kind not in outside:
+                    faults.append(f"{place}: {room} may not include <{name}>")
+            elif re.match(r"plumbline/", name) and "plumbline" in inside:
+                continue
+            elif bracket == '"':
+                faults.append(f"{place}: \"{name}\" is no file of the project")
+            elif room.startswith("shaders") or not (re.match(r"\w+$", name) or SYSTEM.match(name)):
+                faults.append(f"{place}: {room} may not include <{name}>")
+        if room == "shaders/shared" and path != "shaders/shared/bridge.h":
+            faults += check_shared_conditionals(path, text)
+    # Two things that no single line shows: Vulkan seen through another header, and a circle.
+    state = {}
+
+    def visit(path, trail):
+        if path in trail:
+            faults.append("circle: " + " -> ".join(trail[trail.index(path):] + [path]))
+            return set()
+        if path not in state:
+            seen = {path} if "vulkan" in third_party.get(path, ()) else set()
+            for target in arrows.get(path, ()):
+                seen |= visit(target, trail + [path])
+            state[path] = seen
+        return state[path]
+
+    for path in arrows:
+        through = visit(path, [])
+        if through and room_of(path) not in ("host", "tests") and path not in through:
+            faults.append(f"{path}: sees Vulkan through {sorted(through)[0]}; no Vulkan type leaves host/")
+    return len(arrows), faults
+
+
+def self_test():
+    clean = {
+        "shaders/shared/bridge.h": "#ifdef __cplusplus\n#include <glm/glm.hpp>\n#else\n#endif\n",
+        "shaders/shared/a.h": "#ifndef PLUMB_A_H\n#define PLUMB_A_H\n#include \"bridge.h\"\n#ifndef __cplusplus\nlayout(binding = 0) x;\n#endif\n#endif\n",
+        "shaders/a.comp": "#include \"shared/a.h\"\n",
+        "host/open.h": "#include <string>\n",
+        "host/impl.h": "#include \"volk.h\"\n",
+        "host/open.cpp": "#include \"host/open.h\"\n#include \"host/impl.h\"\n#include <sys/stat.h>\n",
+        "pipeline/scene/s.h": "#include <glm/glm.hpp>\n",
+        "pipeline/passes/p.h": "#include \"host/open.h\"\n#include \"shared/a.h\"\n#include \"pipeline/scene/s.h\"\n",
+        "pipeline/command/main.cpp": "#include \"pipeline/passes/p.h\"\n",
+        "tests/unit/t.cpp": "#include <gtest/gtest.h>\n#include \"host/impl.h\"\n",
+    }
+    forbidden = {
+        "shared text reads a room": ("shaders/shared/a.h", "#include \"host/open.h\"\n"),
+        "shared text reads the C++ library": ("shaders/shared/a.h", "#include <cmath>\n"),
+        "shared text differs by language": ("shaders/shared/a.h", "#ifdef __cplusplus\n#endif\n"),
+        "shared text has a second version": ("shaders/shared/a.h", "#ifndef __cplusplus\nlayout(x) y;\n#else\n#endif\n"),
+        "a device block hides common text": ("shaders/shared/a.h", "#ifndef __cplusplus\nint f() { return 1; }\n#endif\n"),
+        "a shader reads a room": ("shaders/a.comp", "#include \"../host/open.h\"\n"),
+        "host knows a scene": ("host/open.cpp", "#include \"pipeline/scene/s.h\"\n"),
+        "host knows a pass": ("host/open.cpp", "#include \"shared/a.h\"\n"),
+        "scene knows a pass": ("pipeline/scene/s.h", "#include \"pipeline/passes/p.h\"\n"),
+        "a pass knows the command": ("pipeline/passes/p.h", "#include \"pipeline/command/main.cpp\"\n"),
+        "a pass includes Vulkan": ("pipeline/passes/p.h", "#include <vulkan/vulkan.h>\n"),
+        "a pass sees Vulkan through a header": ("pipeline/passes/p.h", "#include \"host/impl.h\"\n"),
+        "the product includes a test": ("pipeline/command/main.cpp", "#include \"tests/unit/t.cpp\"\n"),
+        "the product includes the toolchain": ("pipeline/command/main.cpp", "#include \"toolchain/x.h\"\n"),
+        "a library outside the room's list": ("pipeline/scene/s.h", "#include <png.h>\n"),
+        "an include that is no file": ("host/open.cpp", "#include \"host/nothing.h\"\n"),
+        "a circle": ("host/impl.h", "#include \"host/impl.h\"\n"),
+    }
+    missed = []
+    for claim, (path, line) in [("clean", (None, ""))] + list(forbidden.items()):
+        with tempfile.TemporaryDirectory() as root:
+            for name, text in clean.items():
+                os.makedirs(os.path.dirname(os.path.join(root, name)), exist_ok=True)
+                if name == path:
+                    text = text.replace("#endif\n", line + "#endif\n") if path.startswith("shaders/shared") else text + line
+                with open(os.path.join(root, name), "w", encoding="utf-8") as f:
+                    f.write(text)
+            faults = check(root)[1]
+            if bool(faults) != (path is not None):
+                missed.append(f"{claim}: {faults or 'unnoticed'}")
+    for line in missed:
+        print(line)
+    print(f"check_rooms --self-test: {len(forbidden)} forbidden arrows, {len(missed)} wrong answers")
+    return 1 if missed else 0
+
+
+def main():
+    if sys.argv[1:] == ["--self-test"]:
+        return self_test()
+    root = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+    count, faults = check(root)
+    for fault in faults:
+        print(fault)
+    if count == 0:
+        print("no sources under " + root)
+    print(f"check_rooms: {count} files, {len(faults)} forbidden arrows")
+    return 1 if faults or count == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Every test through CTest, on lavapipe. usage: toolchain/test.sh [--quick | --long] [further arguments of ctest]
+#   --quick  unit, twin, small frames, lint
+#   (plain)  all but the long ones; with an ASan + UBSan build and clang-tidy
+#   --long   everything
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+mode=plain
+case ${1:-} in
+  --quick|--long) mode=${1#--}; shift ;;
+  -h|--help) sed -n '3,6s/^# //p' "$0"; exit 0 ;;
+esac
+
+plumb_install demo test
+plumb_build test
+case $mode in
+  quick) select=(-L '^(unit|twin|frame-small|lint)$') ;;
+  plain) plumb_build sanitize; select=(-LE '^long$') ;;
+  long) plumb_build sanitize; select=() ;;
+esac
+
+plumb_say "testing ($mode)"
+exec ctest --test-dir "$plumb_root/build/test" --parallel "$plumb_jobs" --no-tests=error --output-on-failure \
+  ${select[@]+"${select[@]}"} "$@"
