@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
-# plumb_shader(TARGET stem [VARIANT suffix -DX ...]): shaders/<stem>.comp -> SPIR-V (glslang, dependency file) -> every float operation decorated
-# NoContraction and embedded as <spirv/<stem><suffix>.h> by plumb_spirv_embed.
+# plumb_shader(TARGET stem [VARIANT suffix] [DEFINES -DX ...] [FOLDER shaders]): FOLDER/<stem>.comp -> SPIR-V (glslang,
+# dependency file) -> every float operation decorated NoContraction and embedded as <spirv/<stem><suffix>.h> by
+# plumb_spirv_embed. Who links TARGET finds the header; TARGET may be an INTERFACE library.
 function(plumb_shader target stem)
-  cmake_parse_arguments(S "" "VARIANT" "DEFINES" ${ARGN})
+  cmake_parse_arguments(S "" "VARIANT;FOLDER" "DEFINES" ${ARGN})
   set(name ${stem}${S_VARIANT})
-  set(source ${CMAKE_SOURCE_DIR}/shaders/${stem}.comp)
+  if(NOT S_FOLDER)
+    set(S_FOLDER shaders)
+  endif()
+  set(source ${CMAKE_SOURCE_DIR}/${S_FOLDER}/${stem}.comp)
   if(NOT EXISTS ${source})
     message(FATAL_ERROR "shader '${stem}' lacks ${source}")
   endif()
@@ -20,5 +24,11 @@ function(plumb_shader target stem)
     COMMAND plumb_spirv_embed ${name} ${dir}/${name}.raw.spv ${dir}/${name}.spv ${dir}/${name}.h
     DEPENDS plumb_spirv_embed ${dir}/${name}.raw.spv VERBATIM COMMENT "embed ${name}")
   target_sources(${target} PRIVATE ${dir}/${name}.h)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "INTERFACE_LIBRARY")
+    target_include_directories(${target} INTERFACE ${CMAKE_BINARY_DIR}/generated)
+  else()
+    target_include_directories(${target} PUBLIC ${CMAKE_BINARY_DIR}/generated)
+  endif()
   set_property(GLOBAL APPEND PROPERTY PLUMB_SPIRV_FILES ${dir}/${name}.spv)
 endfunction()

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// Correctly rounded (nearest even) division and square root, from any seed that is a few ULP off.
+// Vulkan allows 2.5 ULP for `/` and about 4.5 for sqrt; the seed may be off by 7 ULP of the true result (accuracy.md B.1).
+// Which form a device runs is a specialization constant; the recorder sets it from the start-up self-test.
+// `nativeDivide` and `nativeRoot` are the only two functions of all modules in which `/` on floats and sqrt may stand.
+//
+// The emulated forms need normal operands (b != 0, no infinity, no NaN) and give only normal results; a numerator or
+// radicand that is zero or subnormal counts as zero. Where a result could leave the normal range the caller snaps or
+// refuses first.
+#ifndef PLUMB_EXACT_H
+#define PLUMB_EXACT_H
+#include "bridge.h"
+SHARED_BEGIN
+
+#ifdef __cplusplus
+SHARED_CONST bool kNativeDivide = true;
+SHARED_CONST bool kNativeRoot = true;
+SHARED_FN float nativeRoot(float a) { return std::sqrt(a); }
+#else
+layout(constant_id = 0) const bool kNativeDivide = true;
+layout(constant_id = 1) const bool kNativeRoot = true;
+float nativeRoot(float a) { return sqrt(a); }
+#endif
+SHARED_FN float nativeDivide(float a, float b) { return a / b; }
+
+// sign | significand * 2^(exponentField - 150), significand given with one guard bit below and rounded to even.
+SHARED_FN float roundedToEven(uint sign, uint exponentField, uint significandWithGuard, bool sticky) {
+    uint significand = significandWithGuard >> 1;
+    bool up = (significandWithGuard & 1u) != 0u && (sticky || (significand & 1u) != 0u);
+    // A carry out of the significand runs into the exponent field, which is the wanted result.
+    return realOf(int(sign | ((exponentField << 23) + (significand - 0x800000u) + pick(up, 1u, 0u))));
+}
+
+// `seedErrorUlp` moves the seed by so many bit patterns, -7 to 4, to show in tests that the result does not depend on
+// it (a step past a power of two is two ULP of the result below it). Else 0.
+SHARED_FN float emulatedDivide(float a, float b, int seedErrorUlp) {
+    uint aBits = ubitsOf(a);
+    uint bBits = ubitsOf(b);
+    uint sign = (aBits ^ bBits) & 0x80000000u;
+    uint aExponent = (aBits >> 23) & 255u;
+    uint bExponent = (bBits >> 23) & 255u;
+    uint aSignificand = (aBits & 0x7fffffu) | 0x800000u;
+    uint bSignificand = (bBits & 0x7fffffu) | 0x800000u;
+    bool below = aSignificand < bSignificand;
+    uint scaleBits = pick(below, 25u, 24u);  // quotient = floor(aSignificand * 2^scaleBits / bSignificand) has 25 bits
+    float seed = realOf(bitsOf(nativeDivide(float(aSignificand), float(bSignificand))) + seedErrorUlp);
+    // 1 ULP of the seed is 2 units of the quotient: 16 units below the seed lies a lower bound, and the remainder,
+    // 0 <= remainder < 32 * bSignificand < 2^29, is exact in wrapping 32-bit arithmetic.
+    uint quotient = uint(seed * pick(below, 33554432.0f, 16777216.0f)) - 16u;
+    uint remainder = (aSignificand << scaleBits) - quotient * bSignificand;
+    bool take = remainder >= bSignificand << 4;
+    remainder -= pick(take, bSignificand << 4, 0u);
+    quotient += pick(take, 16u, 0u);
+    take = remainder >= bSignificand << 3;
+    remainder -= pick(take, bSignificand << 3, 0u);
+    quotient += pick(take, 8u, 0u);
+    take = remainder >= bSignificand << 2;
+    remainder -= pick(take, bSignificand << 2, 0u);
+    quotient += pick(take, 4u, 0u);
+    take = remainder >= bSignificand << 1;
+    remainder -= pick(take, bSignificand << 1, 0u);
+    quotient += pick(take, 2u, 0u);
+    take = remainder >= bSignificand;
+    remainder -= pick(take, bSignificand, 0u);
+    quotient += pick(take, 1u, 0u);
+    float result = roundedToEven(sign, aExponent + 127u - bExponent - pick(below, 1u, 0u), quotient, remainder != 0u);
+    return pick(aExponent == 0u, realOf(int(sign)), result);
+}
+
+// One step of the root: if (root + step)^2 still fits under the radicand, takes it. remainder = radicand - root^2.
+SHARED_FN void rootStep(INOUT(uint) root, INOUT(uint) remainder, uint stepBits) {
+    uint cost = ((root << 1) + (1u << stepBits)) << stepBits;
+    bool take = remainder >= cost;
+    remainder -= pick(take, cost, 0u);
+    root += pick(take, 1u << stepBits, 0u);
+}
+
+SHARED_FN float emulatedRoot(float a, int seedErrorUlp) {
+    uint bits = ubitsOf(a);
+    uint exponentField = (bits >> 23) & 255u;
+    uint significand = (bits & 0x7fffffu) | 0x800000u;
+    bool odd = (exponentField & 1u) == 0u;  // the bias is odd: an even field is an odd exponent
+    uint scaleBits = pick(odd, 26u, 25u);   // root = floor(sqrt(significand * 2^scaleBits)) has 25 bits
+    float seed = nativeRoot(float(significand) * pick(odd, 67108864.0f, 33554432.0f));
+    // As above: 16 units below the seed, 0 <= remainder < 32 * 2 * 2^25 = 2^31.
+    uint root = uint(realOf(bitsOf(seed) + seedErrorUlp)) - 16u;
+    uint remainder = (significand << scaleBits) - root * root;
+    rootStep(root, remainder, 4u);
+    rootStep(root, remainder, 3u);
+    rootStep(root, remainder, 2u);
+    rootStep(root, remainder, 1u);
+    rootStep(root, remainder, 0u);
+    float result = roundedToEven(0u, (exponentField + pick(odd, 126u, 127u)) >> 1, root, remainder != 0u);
+    return pick(exponentField == 0u, 0.0f, result);
+}
+
+SHARED_FN float exactDivide(float a, float b) {
+    if (kNativeDivide) return nativeDivide(a, b);
+    return emulatedDivide(a, b, 0);
+}
+SHARED_FN float exactRoot(float a) {
+    if (kNativeRoot) return nativeRoot(a);
+    return emulatedRoot(a, 0);
+}
+
+// |x| < 2^-103 becomes +0, whatever the driver made of a subnormal product. Sums of snapped values need no snap:
+// they are multiples of 2^-126, so 0 or normal (accuracy.md B.0).
+SHARED_FN float snapTiny(float x) {
+    int bits = bitsOf(x);
+    return realOf(pick((bits & 0x7fffffff) < 0x0c000000, 0, bits));
+}
+
+SHARED_END
+#endif
