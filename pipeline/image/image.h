@@ -4,6 +4,8 @@
 
 #include "pipeline/render/frame.h"
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -21,15 +23,25 @@ struct WriteOptions {
 };
 
 // "-" writes to stdout. Throws Error(failed) on disk faults (old file intact, temporary removed), Error(usage) for noClobber.
+// A symbolic link stays and its target is replaced; a device or FIFO is written in place.
 void writeFileAtomically(const std::filesystem::path&, std::span<const std::byte>, bool noClobber);
+// The refusals of writeFileAtomically that can be known before anything is rendered.
+void checkWritable(const std::filesystem::path&, bool noClobber);
+// Unlinks the temporary file of a write in progress. Async-signal-safe; the process must end right after.
+void removeTemporaryFile() noexcept;
 std::vector<std::byte> encodePng(const Frame&, const WriteOptions&, const Metadata&);
-std::vector<std::byte> encodeExr(const Frame&, uint32_t planes, const Metadata&);   // linear colour + chosen planes, float32/uint32
-std::vector<std::byte> encodeNpy(const Frame&, Plane plane);                        // one plane: shape (H, W) or (H, W, C)
+// Linear colour + chosen planes, float32/uint32: R G B [A], Z, distance, normal.X/Y/Z, object_id, primitive_id. kPlaneColour and
+// kPlaneLinear both mean the linear colour. With `alpha`, colour is multiplied by A, as EXR readers expect.
+std::vector<std::byte> encodeExr(const Frame&, uint32_t planes, const Metadata&, bool alpha = false);
+// One plane, NPY 1.0: colour (H, W, 4) |u1, linear and normal (H, W, 3) <f4, ids (H, W) <u4, the others (H, W) <f4.
+std::vector<std::byte> encodeNpy(const Frame&, Plane plane);
 // By extension (.png, .exr, .npy); `planes`: what goes into an EXR; NPY takes exactly one.
 void writeFrame(const std::filesystem::path&, const Frame&, uint32_t planes, const WriteOptions&, const Metadata&);
-Frame contactSheet(std::span<const Frame> frames, uint32_t columns, uint32_t background);
+// Frames of equal size in rows of `columns` (0: as square as can be), in order; cells left over are `background`: a packed
+// pixel, and its linear colour for sheets with a linear plane. Other planes are dropped.
+Frame contactSheet(std::span<const Frame> frames, uint32_t columns, uint32_t background, std::array<float, 3> backgroundLinear = {});
 std::string sha256Hex(std::span<const std::byte>);
-// Reads a PNG back (tests, verify's pictures): RGBA8.
+// Reads a PNG back (tests, verify's pictures): RGBA8. Regular files of at most 2^28 pixels; Error(input) otherwise.
 Frame readPng(const std::filesystem::path&);
 
 }  // namespace plumb
