@@ -1,0 +1,814 @@
+// SPDX-License-Identifier: MIT
+// Reads scene.toml as docs/scene-format.md describes it. World space is binary64; matrices are to-From, column vectors.
+// Left-handed scenes keep their polygons as listed (clockwise seen from outside): the cross product (P1-P0)x(P2-P0)
+// points outward there just as for counter-clockwise lists in a right-handed world, so finishMesh serves both.
+#include "pipeline/scene/add_mesh.h"
+#include "pipeline/scene/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+#include <set>
+#include <toml++/toml.h>
+
+namespace plumb {
+namespace {
+
+using glm::dmat4;
+using glm::dvec3;
+
+// A TOML value takes about 90 bytes of memory and at least two of text; larger meshes belong in a mesh file.
+constexpr uint64_t kMaxSceneFileBytes = uint64_t(16) << 20;
+constexpr int kMaxDepth = 64;            // of keys and of object hierarchies: what recurses stays off the stack's end
+constexpr double kMaxShininess = 1e6;
+constexpr uint32_t kMaxImageSide = 65536;
+// A matrix scaled to a largest entry of 1 has an inverse with entries below 2^101 when its determinant is above this.
+constexpr double kMinDeterminant = 0x1p-100;
+
+double largest(const dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+// v / |v| without overflow or underflow of the squares. v is not zero.
+dvec3 unit(const dvec3& v) {
+    const dvec3 scaled = v / largest(v);
+    return scaled / std::sqrt(glm::dot(scaled, scaled));
+}
+
+struct SinCos { double sine, cosine; };
+
+// Exact at multiples of 90 degrees; elsewhere the argument of the library's sine is at most 45 degrees.
+SinCos sinCosDegrees(double degrees) {
+    int quadrant = 0;
+    const double rest = std::remquo(degrees, 90.0, &quadrant) * (3.14159265358979323846 / 180);
+    const double s = std::sin(rest), c = std::cos(rest);
+    switch (unsigned(quadrant) & 3u) {
+        case 0: return {s, c};
+        case 1: return {c, -s};
+        case 2: return {-s, -c};
+        default: return {-c, s};
+    }
+}
+
+dmat4 fromRows(const double (&rows)[16]) {
+    dmat4 m;
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column) m[column][row] = rows[row * 4 + column];
+    return m;
+}
+
+dmat4 translation(const dvec3& t) { return fromRows({1, 0, 0, t.x, 0, 1, 0, t.y, 0, 0, 1, t.z, 0, 0, 0, 1}); }
+dmat4 scaling(const dvec3& s) { return fromRows({s.x, 0, 0, 0, 0, s.y, 0, 0, 0, 0, s.z, 0, 0, 0, 0, 1}); }
+
+// The notes' sections 6.3 and 8.3.3 to 8.3.5: Z takes +X to +Y, Y takes +Z to +X, X takes +Y to +Z.
+dmat4 rotationX(double degrees) {
+    const auto [s, c] = sinCosDegrees(degrees);
+    return fromRows({1, 0, 0, 0, 0, c, -s, 0, 0, s, c, 0, 0, 0, 0, 1});
+}
+dmat4 rotationY(double degrees) {
+    const auto [s, c] = sinCosDegrees(degrees);
+    return fromRows({c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0, 0, 0, 0, 1});
+}
+dmat4 rotationZ(double degrees) {
+    const auto [s, c] = sinCosDegrees(degrees);
+    return fromRows({c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+}
+// Rodrigues about a unit axis through the origin; for the coordinate axes it is the three above.
+dmat4 rotation(const dvec3& axis, double degrees) {
+    const auto [s, c] = sinCosDegrees(degrees);
+    const double v = 1 - c, x = axis.x, y = axis.y, z = axis.z;
+    return fromRows({c + x * x * v, x * y * v - z * s, x * z * v + y * s, 0,
+                     y * x * v + z * s, c + y * y * v, y * z * v - x * s, 0,
+                     z * x * v - y * s, z * y * v + x * s, c + z * z * v, 0,
+                     0, 0, 0, 1});
+}
+
+bool entriesUsable(const dmat4& m) {
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            if (!(std::abs(m[column][row]) <= kMaxCoordinate)) return false;
+    return true;
+}
+
+// Normals need the inverse transpose of the upper 3x3.
+bool invertible(const dmat4& m) {
+    const double scale = std::max({largest(dvec3(m[0])), largest(dvec3(m[1])), largest(dvec3(m[2]))});
+    if (!(scale > 0)) return false;
+    const glm::dmat3 linear(dvec3(m[0]) / scale, dvec3(m[1]) / scale, dvec3(m[2]) / scale);
+    return std::abs(glm::determinant(linear)) >= kMinDeterminant;
+}
+
+size_t editDistance(std::string_view a, std::string_view b) {
+    std::vector<size_t> row(b.size() + 1);
+    for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (size_t i = 1; i <= a.size(); ++i) {
+        size_t diagonal = row[0];
+        row[0] = i;
+        for (size_t j = 1; j <= b.size(); ++j) {
+            const size_t above = row[j];
+            row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
+            diagonal = above;
+        }
+    }
+    return row[b.size()];
+}
+
+// "; did you mean 'x'?" for a slip of the pen, else "; known: a, b, c".
+template <class Names>
+std::string suggestion(std::string_view word, const Names& known) {
+    std::string list;
+    std::string_view nearest;
+    size_t least = 1 + std::min<size_t>(word.size(), 64) / 3;
+    size_t listed = 0;
+    for (std::string_view name : known) {
+        if (++listed <= 24) list += (list.empty() ? "" : ", ") + printable(name, 40);
+        if (word.size() > 64 || name.size() > 64) continue;
+        const size_t distance = editDistance(word, name);
+        if (distance <= least) {
+            nearest = name;
+            least = distance == 0 ? 0 : distance - 1;
+        }
+    }
+    if (!nearest.empty()) return fmt::format("; did you mean '{}'?", printable(nearest, 64));
+    return list.empty() ? std::string() : "; known: " + list;
+}
+
+// How a value of the file is called in a refusal: "a string", "an array", ...
+const char* kindOf(const toml::node& node) {
+    switch (node.type()) {
+        case toml::node_type::table: return "a table";
+        case toml::node_type::array: return "an array";
+        case toml::node_type::string: return "a string";
+        case toml::node_type::integer: return "an integer";
+        case toml::node_type::floating_point: return "a number";
+        case toml::node_type::boolean: return "a boolean";
+        default: return "a date or time";
+    }
+}
+
+class SceneFile {
+public:
+    SceneFile(const std::filesystem::path& path, const LoadOptions& options) : path_(path), options_(options) {}
+    Scene read();
+
+private:
+    using Known = std::initializer_list<std::string_view>;
+
+    // Where, and refusals. A field is written as the way to it: "object.transform[2].scale".
+    std::string place(const toml::source_region& region) const {
+        return placeOfLine(path_, region.begin.line, region.begin.column);
+    }
+    std::string place(const toml::node& node) const { return place(node.source()); }
+    [[noreturn]] void refuse(const toml::node& node, const std::string& text) const {
+        throw inputError(place(node), text);
+    }
+    void refuseDeepKeys(std::string_view text) const;
+    void allowKeys(const toml::table& table, std::string_view what, const Known& known) const;
+    const toml::node& required(const toml::table& table, std::string_view key, const std::string& what) const;
+
+    // Values. Each refuses what is not of its kind or range, with the place of the value.
+    const toml::table& tableOf(const toml::node& node, const std::string& field) const;
+    const toml::array& arrayOf(const toml::node& node, const std::string& field) const;
+    std::string stringOf(const toml::node& node, const std::string& field) const;
+    bool booleanOf(const toml::node& node, const std::string& field) const;
+    int64_t integerOf(const toml::node& node, const std::string& field, int64_t least, int64_t most) const;
+    double numberOf(const toml::node& node, const std::string& field) const;
+    double numberOf(const toml::node& node, const std::string& field, double least, double most) const;
+    dvec3 vectorOf(const toml::node& node, const std::string& field) const;
+    dvec3 axisOf(const toml::node& node, const std::string& field) const;
+    glm::vec3 colourOf(const toml::node& node, const std::string& field, double most) const;
+    template <class T>
+    T choiceOf(const toml::node& node, const std::string& field,
+               std::initializer_list<std::pair<std::string_view, T>> choices) const;
+    template <class Read>
+    void eachTable(const toml::table& parent, std::string_view key, const std::string& field, Read read);
+
+    // Parts of the file.
+    void readSettings(const toml::table& root);
+    void readCamera(const toml::table& table);
+    void readMaterial(const toml::table& table);
+    void readLight(const toml::table& table);
+    void readMesh(const toml::table& table);
+    uint32_t readInlineMesh(const toml::table& table, const std::string& name, const LoadOptions& options);
+    void readObject(const toml::table& table, int parent, int depth);
+    dmat4 readTransforms(const toml::node& node, const std::string& field) const;
+    dmat4 readTransform(const toml::table& table, const std::string& field) const;
+    uint32_t materialNamed(const toml::node& node, const std::string& field) const;
+    static std::string tooDeep() { return fmt::format("objects are nested deeper than {}", kMaxDepth); }
+    void linkParents();
+    void placeObjects();
+
+    struct Mesh {
+        uint32_t index;              // into scene_.meshes
+        uint32_t material = kNone;   // replaces all of a file's materials
+    };
+    struct Node {
+        std::string name;
+        const toml::table* table;    // for places; lives as long as read()
+        const toml::node* parentNamed = nullptr;
+        int parent = -1;
+        uint32_t mesh = kNone;       // into scene_.meshes; kNone: a group
+        uint32_t material = kNone;
+        dmat4 parentFromNode{1.0}, worldFromNode{1.0};
+        int depth = 0;
+        bool placed = false;
+    };
+    uint32_t meshWithMaterial(uint32_t mesh, uint32_t material);
+
+    std::filesystem::path path_;
+    LoadOptions options_;
+    Scene scene_;
+    std::map<std::string, uint32_t, std::less<>> materials_;
+    std::map<std::string, Mesh, std::less<>> meshes_;
+    std::vector<std::string> meshNames_;   // in file order
+    std::map<std::pair<std::string, double>, uint32_t> meshFiles_;  // (file, crease): read once
+    std::vector<Node> nodes_;
+    std::map<std::string, int, std::less<>> nodeNames_;
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> recoloured_;  // (mesh, material): the copy
+};
+
+// toml++ limits nested values itself, but not the parts of a dotted key, and frees its tables recursively.
+void SceneFile::refuseDeepKeys(std::string_view text) const {
+    enum { bare, comment, basic, literal, basicBlock, literalBlock } state = bare;
+    size_t line = 1, lineStart = 0;
+    int dots = 0;
+    const auto startsBlock = [&](size_t i, char quote) {
+        return i + 2 < text.size() && text[i + 1] == quote && text[i + 2] == quote;
+    };
+    for (size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        switch (state) {
+            case bare:
+                if (c == '#') state = comment;
+                else if (c == '"' || c == '\'') {
+                    const bool block = startsBlock(i, c);
+                    state = c == '"' ? (block ? basicBlock : basic) : (block ? literalBlock : literal);
+                    if (block) i += 2;
+                } else if (c == '.') {
+                    if (++dots > kMaxDepth)
+                        throw inputError(placeOfLine(path_, line, i - lineStart + 1),
+                                         fmt::format("a key of more than {} parts", kMaxDepth));
+                } else if (c == '=' || c == ',' || c == '[' || c == ']' || c == '{' || c == '}') {
+                    dots = 0;
+                }
+                break;
+            case comment: break;
+            case basic:
+            case literal:
+                if (c == '\\' && state == basic) ++i;
+                else if (c == (state == basic ? '"' : '\'')) state = bare;
+                break;
+            case basicBlock:
+            case literalBlock:
+                if (c == '\\' && state == basicBlock) ++i;
+                else if (c == (state == basicBlock ? '"' : '\'') && startsBlock(i, c)) {
+                    i += 2;
+                    state = bare;
+                }
+                break;
+        }
+        if (i < text.size() && text[i] == '\n') {
+            ++line;
+            lineStart = i + 1;
+            dots = 0;
+            if (state == comment || state == basic || state == literal) state = bare;
+        }
+    }
+}
+
+void SceneFile::allowKeys(const toml::table& table, std::string_view what, const Known& known) const {
+    for (const auto& [key, node] : table) {
+        (void)node;
+        if (std::find(known.begin(), known.end(), key.str()) == known.end())
+            throw inputError(place(key.source()), fmt::format("unknown key '{}' in {}{}", printable(key.str(), 64), what,
+                                                              suggestion(key.str(), known)));
+    }
+}
+
+const toml::node& SceneFile::required(const toml::table& table, std::string_view key, const std::string& what) const {
+    const toml::node* node = table.get(key);
+    if (!node) refuse(table, fmt::format("{} has no '{}'", what, key));
+    return *node;
+}
+
+const toml::table& SceneFile::tableOf(const toml::node& node, const std::string& field) const {
+    if (const toml::table* table = node.as_table()) return *table;
+    refuse(node, fmt::format("{} is {}, not a table", field, kindOf(node)));
+}
+
+const toml::array& SceneFile::arrayOf(const toml::node& node, const std::string& field) const {
+    if (const toml::array* array = node.as_array()) return *array;
+    refuse(node, fmt::format("{} is {}, not an array", field, kindOf(node)));
+}
+
+std::string SceneFile::stringOf(const toml::node& node, const std::string& field) const {
+    if (const auto* text = node.as_string()) return text->get();
+    refuse(node, fmt::format("{} is {}, not a string", field, kindOf(node)));
+}
+
+bool SceneFile::booleanOf(const toml::node& node, const std::string& field) const {
+    if (const auto* value = node.as_boolean()) return value->get();
+    refuse(node, fmt::format("{} is {}, not true or false", field, kindOf(node)));
+}
+
+int64_t SceneFile::integerOf(const toml::node& node, const std::string& field, int64_t least, int64_t most) const {
+    const auto* value = node.as_integer();
+    if (!value) refuse(node, fmt::format("{} is {}, not an integer", field, kindOf(node)));
+    if (value->get() < least || value->get() > most)
+        refuse(node, fmt::format("{} is {}, outside {} to {}", field, value->get(), least, most));
+    return value->get();
+}
+
+double SceneFile::numberOf(const toml::node& node, const std::string& field) const {
+    if (const auto* integer = node.as_integer()) return double(integer->get());
+    const auto* value = node.as_floating_point();
+    if (!value) refuse(node, fmt::format("{} is {}, not a number", field, kindOf(node)));
+    if (std::isnan(value->get())) refuse(node, field + " is NaN");
+    if (std::isinf(value->get())) refuse(node, field + " is infinite");
+    return value->get();
+}
+
+double SceneFile::numberOf(const toml::node& node, const std::string& field, double least, double most) const {
+    const double value = numberOf(node, field);
+    if (value < least || value > most)
+        refuse(node, fmt::format("{} is {:g}, outside {:g} to {:g}", field, value, least, most));
+    return value;
+}
+
+dvec3 SceneFile::vectorOf(const toml::node& node, const std::string& field) const {
+    const toml::array& array = arrayOf(node, field);
+    if (array.size() != 3) refuse(node, fmt::format("{} has {} numbers, not 3", field, array.size()));
+    dvec3 v;
+    for (int i = 0; i < 3; ++i)
+        v[i] = numberOf(array[size_t(i)], fmt::format("{}[{}]", field, i), -kMaxCoordinate, kMaxCoordinate);
+    return v;
+}
+
+// A direction: any length but zero.
+dvec3 SceneFile::axisOf(const toml::node& node, const std::string& field) const {
+    const dvec3 v = vectorOf(node, field);
+    if (largest(v) == 0) refuse(node, field + " is the zero vector");
+    return v;
+}
+
+// One number for grey, three for linear RGB, or "#rrggbb", which is sRGB as in every colour picker.
+glm::vec3 SceneFile::colourOf(const toml::node& node, const std::string& field, double most) const {
+    if (const auto* text = node.as_string()) {
+        const std::string& word = text->get();
+        const auto digit = [](char c) {
+            return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+        };
+        bool hexadecimal = word.size() == 7 && word[0] == '#';
+        for (size_t i = 1; hexadecimal && i < 7; ++i) hexadecimal = digit(word[i]) >= 0;
+        if (!hexadecimal)
+            refuse(node, fmt::format("{} is '{}', not a number, [r, g, b] or \"#rrggbb\"", field, printable(word, 40)));
+        glm::vec3 colour;
+        for (int i = 0; i < 3; ++i) {
+            const double v = (digit(word[size_t(2 * i + 1)]) * 16 + digit(word[size_t(2 * i + 2)])) / 255.0;
+            colour[i] = float(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));  // IEC 61966-2-1
+        }
+        return colour;
+    }
+    if (!node.is_array()) return glm::vec3(float(numberOf(node, field, 0, most)));
+    const toml::array& array = *node.as_array();
+    if (array.size() != 3) refuse(node, fmt::format("{} has {} numbers, not 3", field, array.size()));
+    glm::vec3 colour;
+    for (int i = 0; i < 3; ++i)
+        colour[i] = float(numberOf(array[size_t(i)], fmt::format("{}[{}]", field, i), 0, most));
+    return colour;
+}
+
+template <class T>
+T SceneFile::choiceOf(const toml::node& node, const std::string& field,
+                      std::initializer_list<std::pair<std::string_view, T>> choices) const {
+    const std::string word = stringOf(node, field);
+    std::vector<std::string_view> known;
+    for (const auto& [name, value] : choices) {
+        if (word == name) return value;
+        known.push_back(name);
+    }
+    refuse(node, fmt::format("{} is '{}'{}", field, printable(word, 40), suggestion(word, known)));
+}
+
+template <class Read>
+void SceneFile::eachTable(const toml::table& parent, std::string_view key, const std::string& field, Read read) {
+    const toml::node* node = parent.get(key);
+    if (!node) return;
+    if (!node->is_array()) refuse(*node, fmt::format("{0} is {1}; write [[{0}]]", field, kindOf(*node)));
+    for (const toml::node& element : *node->as_array()) read(tableOf(element, field));
+}
+
+void SceneFile::readSettings(const toml::table& root) {
+    if (const auto* node = root.get("handedness"))
+        scene_.leftHanded = choiceOf<bool>(*node, "handedness", {{"right", false}, {"left", true}});
+    if (const auto* node = root.get("up")) scene_.up = unit(axisOf(*node, "up"));
+    if (const auto* node = root.get("ambient")) scene_.ambient = colourOf(*node, "ambient", kMaxCoordinate);
+    if (const auto* node = root.get("background")) scene_.background = colourOf(*node, "background", 1);
+    if (const auto* node = root.get("encoding"))
+        scene_.encoding = choiceOf<Encoding>(*node, "encoding", {{"srgb", Encoding::srgb}, {"linear", Encoding::linear}});
+    if (const auto* node = root.get("shading"))
+        scene_.shading = choiceOf<Shading>(*node, "shading",
+                                           {{"wire", Shading::wire}, {"unlit", Shading::unlit}, {"flat", Shading::flat},
+                                            {"gouraud", Shading::gouraud}, {"phong", Shading::phong}});
+    if (const auto* node = root.get("cull")) scene_.cullBackFaces = booleanOf(*node, "cull");
+    if (const auto* node = root.get("size")) {
+        const toml::array& size = arrayOf(*node, "size");
+        if (size.size() != 2) refuse(*node, fmt::format("size has {} numbers, not 2", size.size()));
+        scene_.size = {uint32_t(integerOf(size[0], "size[0]", 1, kMaxImageSide)),
+                       uint32_t(integerOf(size[1], "size[1]", 1, kMaxImageSide))};
+    }
+}
+
+void SceneFile::readCamera(const toml::table& table) {
+    allowKeys(table, "[camera]", {"distance", "eye", "at", "up", "fov", "near"});
+    Camera camera;
+    if (const auto* distance = table.get("distance")) {
+        for (const char* key : {"eye", "at", "up", "fov"})
+            if (const auto* other = table.get(key))
+                refuse(*other, fmt::format("camera.{} beside camera.distance: the notes' viewer is fixed", key));
+        if (!scene_.leftHanded) refuse(*distance, "camera.distance is the notes' viewer; it needs handedness = \"left\"");
+        const double d = numberOf(*distance, "camera.distance", 0, kMaxCoordinate);
+        if (d == 0) refuse(*distance, "camera.distance is 0");
+        camera.eye = {0, 0, -d};
+        camera.right = {1, 0, 0};
+        camera.up = {0, 1, 0};
+        camera.forward = {0, 0, 1};
+        camera.focalPixels = d;
+        camera.focusDistance = d;
+    } else {
+        camera.eye = vectorOf(required(table, "eye", "camera"), "camera.eye");
+        const toml::node& at = required(table, "at", "camera");
+        const dvec3 toward = vectorOf(at, "camera.at") - camera.eye;
+        if (largest(toward) == 0) refuse(at, "camera.at is the same point as camera.eye");
+        const auto* upNode = table.get("up");
+        const dvec3 up = upNode ? unit(axisOf(*upNode, "camera.up")) : scene_.up;
+        camera.forward = unit(toward);
+        const dvec3 right = scene_.leftHanded ? glm::cross(up, camera.forward) : glm::cross(camera.forward, up);
+        // Below 2^-40 the direction of the cross product is mostly rounding error.
+        if (largest(right) < 0x1p-40)
+            refuse(upNode ? *upNode : at, fmt::format("camera.up is parallel to the view direction{}",
+                                                      upNode ? "" : "; state another camera.up"));
+        camera.right = unit(right);
+        camera.up = scene_.leftHanded ? glm::cross(camera.forward, camera.right) : glm::cross(camera.right, camera.forward);
+        if (const auto* node = table.get("fov")) {
+            camera.fovYDegrees = numberOf(*node, "camera.fov", 0, 180);
+            if (camera.fovYDegrees < 1e-3 || camera.fovYDegrees > 179)
+                refuse(*node, fmt::format("camera.fov is {:g}, outside 0.001 to 179 degrees", camera.fovYDegrees));
+        }
+        const double scale = largest(toward);
+        camera.focusDistance = glm::length(toward / scale) * scale;
+    }
+    if (const auto* node = table.get("near")) {
+        camera.near = numberOf(*node, "camera.near", 0, kMaxCoordinate);
+        if (camera.near == 0) refuse(*node, "camera.near is 0");
+    }
+    scene_.camera = camera;
+}
+
+void SceneFile::readMaterial(const toml::table& table) {
+    allowKeys(table, "[[material]]", {"name", "ambient", "diffuse", "specular", "emission", "shininess", "opacity", "ior"});
+    const toml::node& nameNode = required(table, "name", "material");
+    Material material;
+    material.name = stringOf(nameNode, "material.name");
+    if (materials_.contains(material.name))
+        refuse(nameNode, fmt::format("material.name '{}' is taken", printable(material.name, 64)));
+    const auto colour = [&](const char* key, glm::vec3& into) {
+        if (const auto* node = table.get(key)) into = colourOf(*node, std::string("material.") + key, 1);
+    };
+    colour("ambient", material.ambient);
+    colour("diffuse", material.diffuse);
+    colour("specular", material.specular);
+    colour("emission", material.emission);
+    if (const auto* node = table.get("shininess"))
+        material.shininess = float(numberOf(*node, "material.shininess", 0, kMaxShininess));
+    if (const auto* node = table.get("opacity")) material.opacity = float(numberOf(*node, "material.opacity", 0, 1));
+    if (const auto* node = table.get("ior"))
+        material.refractiveIndex = float(numberOf(*node, "material.ior", 0.01, 100));
+    materials_[material.name] = uint32_t(scene_.materials.size());
+    scene_.materials.push_back(material);
+}
+
+uint32_t SceneFile::materialNamed(const toml::node& node, const std::string& field) const {
+    const std::string name = stringOf(node, field);
+    const auto found = materials_.find(name);
+    if (found != materials_.end()) return found->second;
+    std::vector<std::string_view> known;
+    for (const auto& [key, index] : materials_) {
+        (void)index;
+        known.push_back(key);
+    }
+    refuse(node, fmt::format("{} names the unknown material '{}'{}", field, printable(name, 64), suggestion(name, known)));
+}
+
+void SceneFile::readLight(const toml::table& table) {
+    allowKeys(table, "[[light]]", {"type", "direction", "position", "intensity", "attenuation"});
+    Light light;
+    light.directional = choiceOf<bool>(required(table, "type", "light"), "light.type", {{"directional", true}, {"point", false}});
+    if (light.directional) {
+        for (const char* key : {"position", "attenuation"})
+            if (const auto* node = table.get(key))
+                refuse(*node, fmt::format("light.{} needs type = \"point\"", key));
+        light.direction = axisOf(required(table, "direction", "directional light"), "light.direction");
+    } else {
+        if (const auto* node = table.get("direction")) refuse(*node, "light.direction needs type = \"directional\"");
+        light.position = vectorOf(required(table, "position", "point light"), "light.position");
+        if (const auto* node = table.get("attenuation"))
+            light.attenuation = choiceOf<Attenuation>(*node, "light.attenuation",
+                                                      {{"none", Attenuation::none}, {"1/d", Attenuation::inverse},
+                                                       {"1/d^2", Attenuation::inverseSquare}});
+    }
+    if (const auto* node = table.get("intensity")) light.intensity = colourOf(*node, "light.intensity", kMaxCoordinate);
+    scene_.lights.push_back(light);
+}
+
+void SceneFile::readMesh(const toml::table& table) {
+    allowKeys(table, "[[mesh]]", {"name", "file", "vertices", "faces", "material", "face_materials", "crease"});
+    const toml::node& nameNode = required(table, "name", "mesh");
+    const std::string name = stringOf(nameNode, "mesh.name");
+    if (meshes_.contains(name)) refuse(nameNode, fmt::format("mesh.name '{}' is taken", printable(name, 64)));
+    LoadOptions options = options_;
+    if (const auto* node = table.get("crease")) options.creaseDegrees = numberOf(*node, "mesh.crease", 0, 180);
+
+    Mesh mesh{};
+    if (const auto* fileNode = table.get("file")) {
+        for (const char* key : {"vertices", "faces", "face_materials"})
+            if (const auto* other = table.get(key)) refuse(*other, fmt::format("mesh.{} beside mesh.file", key));
+        const std::string reference = stringOf(*fileNode, "mesh.file");
+        const auto file = resolveReference(path_, reference, options.allowOutside, place(*fileNode), "mesh.file");
+        std::error_code code;
+        if (!std::filesystem::exists(file, code))
+            refuse(*fileNode, fmt::format("mesh.file '{}' does not exist", printable(reference)));
+        const std::pair key(file.lexically_normal().string(), options.creaseDegrees);
+        const auto read = meshFiles_.find(key);
+        mesh.index = read != meshFiles_.end() ? read->second : addMeshFile(scene_, file, options);
+        meshFiles_[key] = mesh.index;
+        if (const auto* node = table.get("material")) mesh.material = materialNamed(*node, "mesh.material");
+    } else {
+        mesh.index = readInlineMesh(table, name, options);
+    }
+    meshes_[name] = mesh;
+    meshNames_.push_back(name);
+}
+
+uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& name, const LoadOptions& options) {
+    PolygonMesh mesh;
+    mesh.name = name;
+    if (!table.get("vertices")) refuse(table, fmt::format("mesh '{}' has neither 'file' nor 'vertices'", printable(name, 64)));
+    const toml::array& vertices = arrayOf(*table.get("vertices"), "mesh.vertices");
+    mesh.positions.reserve(vertices.size());
+    for (size_t i = 0; i < vertices.size(); ++i)
+        mesh.positions.push_back(glm::vec3(vectorOf(vertices[i], fmt::format("mesh.vertices[{}]", i))));
+
+    const toml::node& facesNode = required(table, "faces", "mesh");
+    const toml::array& faces = arrayOf(facesNode, "mesh.faces");
+    if (faces.empty()) refuse(facesNode, "mesh.faces is empty");
+    mesh.faceFirst.push_back(0);
+    for (size_t f = 0; f < faces.size(); ++f) {
+        const std::string field = fmt::format("mesh.faces[{}]", f);
+        const toml::array& face = arrayOf(faces[f], field);
+        if (face.size() < 3) refuse(faces[f], fmt::format("{} has {} vertices; a polygon has at least 3", field, face.size()));
+        std::set<int64_t> seen;
+        for (size_t corner = 0; corner < face.size(); ++corner) {
+            const std::string cornerField = fmt::format("{}[{}]", field, corner);
+            if (vertices.empty()) refuse(face[corner], cornerField + " names a vertex of none");
+            const int64_t vertex = integerOf(face[corner], cornerField, 0, int64_t(vertices.size()) - 1);
+            if (!seen.insert(vertex).second)
+                refuse(face[corner], fmt::format("{} names vertex {} twice", field, vertex));
+            mesh.corners.push_back({uint32_t(vertex)});
+        }
+        mesh.faceFirst.push_back(uint32_t(mesh.corners.size()));
+    }
+
+    const auto* materialNode = table.get("material");
+    const auto* listNode = table.get("face_materials");
+    if (materialNode && listNode) refuse(*listNode, "mesh.face_materials beside mesh.material");
+    if (listNode) {
+        const toml::array& list = arrayOf(*listNode, "mesh.face_materials");
+        if (list.size() != faces.size())
+            refuse(*listNode, fmt::format("mesh.face_materials has {} names for {} faces", list.size(), faces.size()));
+        for (size_t f = 0; f < list.size(); ++f)
+            mesh.faceMaterial.push_back(materialNamed(list[f], fmt::format("mesh.face_materials[{}]", f)));
+    } else {
+        mesh.faceMaterial.assign(faces.size(), materialNode ? materialNamed(*materialNode, "mesh.material") : 0);
+    }
+    return addMesh(scene_, std::move(mesh), options);
+}
+
+dmat4 SceneFile::readTransform(const toml::table& table, const std::string& field) const {
+    allowKeys(table, field, {"translate", "rotate_x", "rotate_y", "rotate_z", "rotate", "scale", "matrix", "about"});
+    const toml::node* about = table.get("about");
+    if (table.size() != (about ? 2u : 1u))
+        refuse(table, fmt::format("{} holds {} transforms; write one a table, in order of application", field,
+                                  table.size() - (about ? 1 : 0)));
+    dmat4 m(1.0);
+    bool canBeAbout = true;
+    if (const auto* node = table.get("translate")) {
+        m = translation(vectorOf(*node, field + ".translate"));
+        canBeAbout = false;
+    } else if (const auto* node = table.get("rotate_x")) {
+        m = rotationX(numberOf(*node, field + ".rotate_x"));
+    } else if (const auto* node = table.get("rotate_y")) {
+        m = rotationY(numberOf(*node, field + ".rotate_y"));
+    } else if (const auto* node = table.get("rotate_z")) {
+        m = rotationZ(numberOf(*node, field + ".rotate_z"));
+    } else if (const auto* node = table.get("rotate")) {
+        const toml::table& rotate = tableOf(*node, field + ".rotate");
+        allowKeys(rotate, field + ".rotate", {"axis", "degrees", "through"});
+        const dvec3 axis = unit(axisOf(required(rotate, "axis", field + ".rotate"), field + ".rotate.axis"));
+        m = rotation(axis, numberOf(required(rotate, "degrees", field + ".rotate"), field + ".rotate.degrees"));
+        if (const auto* through = rotate.get("through")) {
+            const dvec3 point = vectorOf(*through, field + ".rotate.through");
+            m = translation(point) * m * translation(-point);
+        }
+        canBeAbout = false;
+    } else if (const auto* node = table.get("scale")) {
+        const dvec3 factors = node->is_array()
+                                  ? vectorOf(*node, field + ".scale")
+                                  : dvec3(numberOf(*node, field + ".scale", -kMaxCoordinate, kMaxCoordinate));
+        if (factors.x == 0 || factors.y == 0 || factors.z == 0)
+            refuse(*node, field + ".scale is 0: normals need its inverse");
+        m = scaling(factors);
+    } else {
+        const toml::node& matrix = *table.get("matrix");
+        const std::string name = field + ".matrix";
+        const toml::array& entries = arrayOf(matrix, name);
+        if (entries.size() != 16) refuse(matrix, fmt::format("{} has {} numbers, not 16", name, entries.size()));
+        double rows[16];
+        for (size_t i = 0; i < 16; ++i)
+            rows[i] = numberOf(entries[i], fmt::format("{}[{}]", name, i), -kMaxCoordinate, kMaxCoordinate);
+        if (rows[12] != 0 || rows[13] != 0 || rows[14] != 0 || rows[15] != 1)
+            refuse(matrix, name + ": the last row is not 0, 0, 0, 1 (rows of a matrix for column vectors)");
+        m = fromRows(rows);
+        if (!invertible(m)) refuse(matrix, name + " has no inverse");
+        canBeAbout = false;
+    }
+    if (about) {
+        if (!canBeAbout) refuse(*about, field + ".about goes with rotate_x, rotate_y, rotate_z and scale");
+        const dvec3 point = vectorOf(*about, field + ".about");
+        m = translation(point) * m * translation(-point);
+    }
+    return m;
+}
+
+// In order of application: the first of the list acts on the object first.
+dmat4 SceneFile::readTransforms(const toml::node& node, const std::string& field) const {
+    dmat4 m(1.0);
+    size_t i = 0;
+    for (const toml::node& element : arrayOf(node, field)) {
+        const std::string name = fmt::format("{}[{}]", field, i++);
+        const toml::table& table = tableOf(element, name);
+        if (table.empty() || (table.size() == 1 && table.contains("about"))) refuse(element, name + " holds no transform");
+        m = readTransform(table, name) * m;
+        if (!entriesUsable(m)) refuse(element, name + ": the matrix so far has entries above 2^100");
+    }
+    return m;
+}
+
+void SceneFile::readObject(const toml::table& table, int parent, int depth) {
+    allowKeys(table, parent < 0 ? "[[object]]" : "[[object.child]]", {"name", "mesh", "material", "transform", "parent", "child"});
+    if (depth > kMaxDepth) refuse(table, tooDeep());
+    Node node;
+    node.table = &table;
+    node.parent = parent;
+    if (const auto* meshNode = table.get("mesh")) {
+        const std::string mesh = stringOf(*meshNode, "object.mesh");
+        const auto found = meshes_.find(mesh);
+        if (found == meshes_.end())
+            refuse(*meshNode, fmt::format("object.mesh names the unknown mesh '{}'{}", printable(mesh, 64),
+                                          suggestion(mesh, meshNames_)));
+        node.mesh = found->second.index;
+        node.material = found->second.material;
+        node.name = mesh;
+    }
+    if (const auto* nameNode = table.get("name")) {
+        node.name = stringOf(*nameNode, "object.name");
+        if (!nodeNames_.emplace(node.name, int(nodes_.size())).second)
+            refuse(*nameNode, fmt::format("object.name '{}' is taken", printable(node.name, 64)));
+    }
+    if (const auto* materialNode = table.get("material")) {
+        if (node.mesh == kNone) refuse(*materialNode, "object.material without object.mesh");
+        node.material = materialNamed(*materialNode, "object.material");
+    }
+    if (const auto* transform = table.get("transform")) node.parentFromNode = readTransforms(*transform, "object.transform");
+    if (const auto* parentNode = table.get("parent")) {
+        if (parent >= 0) refuse(*parentNode, "object.parent of a nested child: it has a parent already");
+        node.parentNamed = parentNode;
+    }
+    const int self = int(nodes_.size());
+    nodes_.push_back(std::move(node));
+    eachTable(table, "child", "object.child", [&](const toml::table& child) { readObject(child, self, depth + 1); });
+}
+
+void SceneFile::linkParents() {
+    for (Node& node : nodes_) {
+        if (!node.parentNamed) continue;
+        const std::string name = stringOf(*node.parentNamed, "object.parent");
+        const auto found = nodeNames_.find(name);
+        if (found == nodeNames_.end()) {
+            std::vector<std::string_view> known;
+            for (const auto& [key, index] : nodeNames_) {
+                (void)index;
+                known.push_back(key);
+            }
+            refuse(*node.parentNamed, fmt::format("object.parent names the unknown object '{}'{}", printable(name, 64),
+                                                  suggestion(name, known)));
+        }
+        node.parent = found->second;
+    }
+}
+
+// World matrices from the roots down, each node once, and the objects in file order.
+void SceneFile::placeObjects() {
+    for (size_t start = 0; start < nodes_.size(); ++start) {
+        std::vector<int> chain;  // from `start` up to the first placed ancestor
+        for (int n = int(start); n >= 0 && !nodes_[size_t(n)].placed; n = nodes_[size_t(n)].parent) {
+            const auto again = std::find(chain.begin(), chain.end(), n);
+            if (again != chain.end()) {
+                std::string cycle;
+                for (auto member = again; member != chain.end(); ++member)
+                    cycle += printable(nodes_[size_t(*member)].name, 40) + " -> ";
+                const Node& first = nodes_[size_t(n)];
+                refuse(first.parentNamed ? *first.parentNamed : *first.table,
+                       fmt::format("object.parent: {}{} is a cycle", printable(cycle, 400), printable(first.name, 40)));
+            }
+            chain.push_back(n);
+            if (int(chain.size()) > kMaxDepth) refuse(*nodes_[start].table, tooDeep());
+        }
+        for (auto n = chain.rbegin(); n != chain.rend(); ++n) {
+            Node& node = nodes_[size_t(*n)];
+            node.worldFromNode = node.parent < 0 ? node.parentFromNode
+                                                 : nodes_[size_t(node.parent)].worldFromNode * node.parentFromNode;
+            if (!entriesUsable(node.worldFromNode))
+                refuse(*node.table, "object.transform: the world matrix has entries above 2^100");
+            if (node.mesh != kNone && !invertible(node.worldFromNode))
+                refuse(*node.table, "object.transform: the world matrix has no inverse");
+            node.depth = node.parent < 0 ? 1 : nodes_[size_t(node.parent)].depth + 1;
+            if (node.depth > kMaxDepth) refuse(*node.table, tooDeep());
+            node.placed = true;
+        }
+    }
+    for (const Node& node : nodes_) {
+        if (node.mesh == kNone) continue;
+        Object object;
+        object.name = node.name;
+        object.mesh = node.material == kNone ? node.mesh : meshWithMaterial(node.mesh, node.material);
+        object.worldFromObject = node.worldFromNode;
+        scene_.objects.push_back(std::move(object));
+    }
+}
+
+// A TriangleMesh carries its materials, so an object that replaces them draws a copy; one for each (mesh, material).
+uint32_t SceneFile::meshWithMaterial(uint32_t mesh, uint32_t material) {
+    const auto [found, isNew] = recoloured_.try_emplace({mesh, material}, uint32_t(scene_.meshes.size()));
+    if (isNew) {
+        TriangleMesh copy = scene_.meshes[mesh];
+        std::fill(copy.vertexMaterial.begin(), copy.vertexMaterial.end(), material);
+        std::fill(copy.faceMaterial.begin(), copy.faceMaterial.end(), material);
+        scene_.meshes.push_back(std::move(copy));
+    }
+    return found->second;
+}
+
+Scene SceneFile::read() {
+    const std::string text = readWholeFile(path_, kMaxSceneFileBytes);
+    refuseDeepKeys(text);
+    toml::table root;
+    try {
+        root = toml::parse(std::string_view(text));
+    } catch (const toml::parse_error& error) {
+        throw inputError(place(error.source()), "TOML: " + printable(error.description()));
+    }
+    allowKeys(root, "the scene", {"handedness", "up", "ambient", "background", "encoding", "shading", "size", "cull",
+                                  "camera", "material", "light", "mesh", "object"});
+    scene_.path = path_.string();
+    scene_.materials.push_back(Material{});
+    readSettings(root);
+    if (const auto* node = root.get("camera")) readCamera(tableOf(*node, "camera"));
+    eachTable(root, "material", "material", [&](const toml::table& table) { readMaterial(table); });
+    eachTable(root, "light", "light", [&](const toml::table& table) { readLight(table); });
+    eachTable(root, "mesh", "mesh", [&](const toml::table& table) { readMesh(table); });
+    eachTable(root, "object", "object", [&](const toml::table& table) { readObject(table, -1, 1); });
+    if (!root.contains("object")) {
+        for (const std::string& name : meshNames_) {
+            const Mesh& mesh = meshes_.find(name)->second;
+            Node node;
+            node.name = name;
+            node.table = &root;
+            node.mesh = mesh.index;
+            node.material = mesh.material;
+            nodes_.push_back(std::move(node));
+        }
+    }
+    linkParents();
+    placeObjects();
+    if (scene_.objects.empty())
+        throw inputError(placeOfLine(path_, 1, 1), "nothing to draw: no [[object]] has a mesh and there is no [[mesh]]");
+    return std::move(scene_);
+}
+
+}  // namespace
+
+Scene readSceneToml(const std::filesystem::path& path, const LoadOptions& options) {
+    return SceneFile(path, options).read();
+}
+
+}  // namespace plumb
