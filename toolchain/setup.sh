@@ -1,3 +1,4 @@
+#!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Sourced by the scripts beside it, after `set -euo pipefail`: installs what is missing, configures, builds.
 # Everything it says goes to stderr.

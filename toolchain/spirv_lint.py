@@ -3,9 +3,9 @@
 """Keeps SPIR-V modules inside the exact subset: what every conforming device computes to the same bits (docs/accuracy.md).
 
 Every OpFAdd, OpFSub, OpFMul and OpVectorTimesScalar carries NoContraction. Every other instruction of a function body is on the list below,
-which holds what the Vulkan specification defines to the last bit; an unknown one is a fault. OpFDiv, Sqrt and InverseSqrt stand only as
-seeds, in the functions SEED_FUNCTIONS, whose integer correction makes the result independent of them; the native division and root that
-specialization constants choose where the self-test found them correctly rounded stand there too.
+which holds what the Vulkan specification defines to the last bit; an unknown one is a fault. OpFDiv and Sqrt stand only in the functions
+SEEDS, which only the functions CALLERS of shaders/shared/exact.h call: as a seed whose error integer arithmetic takes out, or where the
+self-test has found them correctly rounded.
 No RelaxedPrecision, no fast-math decoration, no float of another width than 32 bits, no rounding mode but round to nearest even.
 
 Modules whose name starts with "selftest" measure the device and are listed, not judged.
@@ -16,11 +16,12 @@ import os
 import struct
 import sys
 
-SEED_FUNCTIONS = ("exactDivide", "exactRoot", "emulatedDivide", "emulatedRoot")
+SEEDS = ("nativeDivide", "nativeRoot")
+CALLERS = ("exactDivide", "exactRoot", "emulatedDivide", "emulatedRoot")
 
 EXACT = {129: "OpFAdd", 131: "OpFSub", 133: "OpFMul", 142: "OpVectorTimesScalar"}
 SEED_OPS = {136: "OpFDiv"}
-SEED_EXT = {31: "Sqrt", 32: "InverseSqrt"}
+SEED_EXT = {31: "Sqrt"}
 NAMES = {136: "OpFDiv", 140: "OpFRem", 141: "OpFMod", 143: "OpMatrixTimesScalar", 144: "OpVectorTimesMatrix",
          145: "OpMatrixTimesVector", 146: "OpMatrixTimesMatrix", 147: "OpOuterProduct", 148: "OpDot", 115: "OpFConvert"}
 
@@ -53,8 +54,12 @@ ALLOWED_EXT = {2: "RoundEven", 3: "Trunc", 4: "FAbs", 5: "SAbs", 6: "FSign", 7: 
                37: "FMin", 38: "UMin", 39: "SMin", 40: "FMax", 41: "UMax", 42: "SMax", 43: "FClamp", 44: "UClamp",
                45: "SClamp", 73: "FindILsb", 74: "FindSMsb", 75: "FindUMsb", 79: "NMin", 80: "NMax", 81: "NClamp"}
 
+EXT_NAMES = {1: "Round", 10: "Fract", 13: "Sin", 14: "Cos", 26: "Pow", 27: "Exp", 28: "Log", 29: "Exp2", 30: "Log2", 31: "Sqrt",
+             32: "InverseSqrt", 46: "FMix", 50: "Fma", 53: "Ldexp", 66: "Length", 67: "Distance", 68: "Cross", 69: "Normalize",
+             71: "Reflect", 72: "Refract"}
+
 OP_NAME, OP_EXT_INST_IMPORT, OP_EXECUTION_MODE, OP_TYPE_FLOAT, OP_SPEC_CONSTANT_OP = 5, 11, 16, 22, 52
-OP_FUNCTION, OP_FUNCTION_END, OP_DECORATE, OP_MEMBER_DECORATE = 54, 56, 71, 72
+OP_FUNCTION, OP_FUNCTION_END, OP_FUNCTION_CALL, OP_DECORATE, OP_MEMBER_DECORATE = 54, 56, 57, 71, 72
 RELAXED_PRECISION, FP_ROUNDING_MODE, FP_FAST_MATH_MODE, NO_CONTRACTION = 0, 39, 40, 42
 MODES = {4459: None, 4460: "DenormFlushToZero", 4461: None, 4462: None, 4463: "RoundingModeRTZ", 31: "ContractionOff"}
 # OpSpecConstantOp works on integers and booleans in a shader; what it may hold is what a body may hold, less the float operations.
@@ -104,20 +109,25 @@ def lint(words):
             faults.append(f"float of {a[1]} bits")
         elif op == OP_SPEC_CONSTANT_OP and (a[2] not in ALLOWED or a[2] in EXACT or a[2] in SEED_OPS):
             faults.append(f"OpSpecConstantOp of opcode {a[2]}")
+    def name_of(function_id):
+        return names.get(function_id, f"function {function_id}").split("(")[0]
+
     function = None
     for _, op, a in instructions(words):
         if op == OP_FUNCTION:
-            function = names.get(a[1], f"function {a[1]}").split("(")[0]
+            function = name_of(a[1])
         if function is None:
             continue
-        seeds = function in SEED_FUNCTIONS
+        seeds = function in SEEDS
         if op == 12:
             if sets.get(a[2], "").startswith("NonSemantic."):
                 pass
             elif sets.get(a[2]) != "GLSL.std.450":
                 faults.append(f"{function}: instruction of {sets.get(a[2], 'an unknown set')}")
             elif a[3] not in ALLOWED_EXT and not (seeds and a[3] in SEED_EXT):
-                faults.append(f"{function}: GLSL.std.450 {SEED_EXT.get(a[3], a[3])} is not exact")
+                faults.append(f"{function}: GLSL.std.450 {EXT_NAMES.get(a[3], a[3])} is not exact")
+        elif op == OP_FUNCTION_CALL and name_of(a[2]) in SEEDS and function not in CALLERS:
+            faults.append(f"{function}: calls {name_of(a[2])}, which only exact.h may")
         elif op in EXACT:
             exact += 1
             if a[1] not in no_contraction:

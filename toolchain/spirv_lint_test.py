@@ -52,12 +52,13 @@ def spread(places):
 def mutants(words):
     """(what was done, changed module). The two likeliest slips (no NoContraction, a native division) at up to EACH places spread over the
     module, the others once a module."""
+    results = {a[1] for _, op, a in lint.instructions(words) if op in lint.EXACT}
     decorations = [(at, a[0]) for at, op, a in lint.instructions(words)
-                   if op == lint.OP_DECORATE and a[1] == lint.NO_CONTRACTION]
+                   if op == lint.OP_DECORATE and a[1] == lint.NO_CONTRACTION and a[0] in results]
     for at, target in spread(decorations):
         yield f"NoContraction of %{target} stripped", words[:at] + words[at + 3:]
     exact = [at for at, function in find(words, lint.EXACT)]
-    plain = [at for at, function in find(words, lint.EXACT) if function not in lint.SEED_FUNCTIONS]
+    plain = [at for at, function in find(words, lint.EXACT) if function not in lint.SEEDS]
     for at in spread(plain):
         yield "float operation becomes OpFDiv", with_opcode(words, at, 136)
     if exact:
@@ -83,13 +84,21 @@ def mutants(words):
             other[3] += 1
             yield "instruction of an unknown set inserted", other
     for at, function in find(words, {136}):
-        if function in lint.SEED_FUNCTIONS:  # the same division, in a function of another name
+        if function in lint.SEEDS:  # the same division, in a function of another name
             changed = list(words)
             for name_at, op, a in lint.instructions(words):
                 if op == lint.OP_NAME and lint.text_of(a[1:]).split("(")[0] == function:
                     changed[name_at + 2] ^= 0x01010101
             yield f"{function} renamed", changed
             break
+    for caller in lint.CALLERS:  # a seed called from a function of another name
+        changed = list(words)
+        for at, op, a in lint.instructions(words):
+            if op == lint.OP_NAME and lint.text_of(a[1:]).split("(")[0] == caller:
+                changed[at + 2] ^= 0x01010101
+        calls = any(function == caller for at, function in find(words, {lint.OP_FUNCTION_CALL}))
+        if calls and caller.startswith("emulated"):
+            yield f"{caller} renamed", changed
     place = first_annotation(words)
     if place is not None:
         some = words[first_function(words) + 2]

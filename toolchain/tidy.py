@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""clang-tidy over our own translation units of a Ninja build tree, in parallel. A unit that was clean is not judged again until it, a file it
+includes, its flags or .clang-tidy changes.
+
+usage: tidy.py BUILD [JOBS] [SOURCE...]
+"""
+import concurrent.futures
+import hashlib
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+OWN = ("host/", "pipeline/", "tests/", "toolchain/")
+
+
+def inside(path):
+    path = os.path.relpath(path, ROOT)
+    return path if path.startswith(OWN) else None
+
+
+def units(build):
+    """{object: (source, arguments for clang)}"""
+    text = subprocess.run(["ninja", "-C", build, "-t", "compdb"], check=True, capture_output=True, text=True).stdout
+    found = {}
+    for entry in json.loads(text):
+        source = os.path.normpath(os.path.join(build, entry["file"]))
+        if not source.endswith(".cpp") or not inside(source) or " -c " not in entry["command"]:
+            continue
+        words = shlex.split(entry["command"])
+        while words and not re.search(r"(c\+\+|g\+\+|clang\+\+)[-\w.]*$", words[0]):
+            words.pop(0)
+        arguments, skip = [], False
+        for word in words[1:]:
+            if skip or word in ("-o", "-MF", "-MT"):
+                skip = not skip
+            elif word not in ("-MD", "-c", source, entry["file"]):
+                arguments.append(word)
+        found[entry["output"]] = (source, arguments)
+    return found
+
+
+def included(build):
+    """{object: files it was made of}, as the last build saw them."""
+    text = subprocess.run(["ninja", "-C", build, "-t", "deps"], check=True, capture_output=True, text=True).stdout
+    found, current = {}, None
+    for line in text.splitlines():
+        if line and not line.startswith(" "):
+            current = found.setdefault(line.split(": #deps")[0], [])
+        elif line.strip():
+            current.append(os.path.normpath(os.path.join(build, line.strip())))
+    return found
+
+
+def key_of(source, arguments, files):
+    digest = hashlib.sha256(repr(arguments).encode())
+    for path in [os.path.join(ROOT, ".clang-tidy"), source] + sorted(f for f in files if f.startswith(ROOT + os.sep)):
+        digest.update(path.encode())
+        with open(path, "rb") as f:
+            digest.update(f.read())
+    return digest.hexdigest()
+
+
+def judge(build, source, arguments):
+    done = subprocess.run(["clang-tidy", "--quiet", f"--config-file={ROOT}/.clang-tidy", source, "--"] + arguments +
+                          ["-Wno-unknown-warning-option", "-Wno-ignored-optimization-argument"],
+                          cwd=build, capture_output=True, text=True)
+    return done.returncode, done.stdout + (done.stderr if done.returncode and not done.stdout else "")
+
+
+def main():
+    build = os.path.abspath(sys.argv[1])
+    jobs = int(sys.argv[2]) if len(sys.argv) > 2 else os.cpu_count()
+    only = [os.path.abspath(path) for path in sys.argv[3:]]
+    stamps = os.path.join(build, "tidy")
+    os.makedirs(stamps, exist_ok=True)
+    files, todo = included(build), []
+    everything = units(build)
+    for output, (source, arguments) in sorted(everything.items()):
+        if only and source not in only:
+            continue
+        stamp = os.path.join(stamps, key_of(source, arguments, files.get(output, [])))
+        if not os.path.exists(stamp):
+            todo.append((source, arguments, stamp))
+    faulty = 0
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for (source, _, stamp), (code, text) in zip(todo, pool.map(lambda t: judge(build, t[0], t[1]), todo)):
+            if code:
+                faulty += 1
+                print(f"{inside(source)}:\n{text}", flush=True)
+            else:
+                open(stamp, "w").close()
+    print(f"tidy: {len(everything)} units, {len(todo)} judged now, {faulty} with faults")
+    return 1 if faulty or not everything else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
