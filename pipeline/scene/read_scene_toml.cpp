@@ -3,6 +3,7 @@
 // Left-handed scenes keep their polygons as listed (clockwise seen from outside): the cross product (P1-P0)x(P2-P0)
 // points outward there just as for counter-clockwise lists in a right-handed world, so finishMesh serves both.
 #include "pipeline/scene/add_mesh.h"
+#include "pipeline/scene/affine.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -23,16 +24,6 @@ constexpr uint64_t kMaxSceneFileBytes = uint64_t(16) << 20;
 constexpr int kMaxDepth = 64;            // of keys and of object hierarchies: what recurses stays off the stack's end
 constexpr double kMaxShininess = 1e6;
 constexpr uint32_t kMaxImageSide = 65536;
-// A matrix scaled to a largest entry of 1 has an inverse with entries below 2^101 when its determinant is above this.
-constexpr double kMinDeterminant = 0x1p-100;
-
-double largest(const dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
-// v / |v| without overflow or underflow of the squares. v is not zero.
-dvec3 unit(const dvec3& v) {
-    const dvec3 scaled = v / largest(v);
-    return scaled / std::sqrt(glm::dot(scaled, scaled));
-}
 
 struct SinCos { double sine, cosine; };
 
@@ -80,21 +71,6 @@ dmat4 rotation(const dvec3& axis, double degrees) {
                      y * x * v + z * s, c + y * y * v, y * z * v - x * s, 0,
                      z * x * v - y * s, z * y * v + x * s, c + z * z * v, 0,
                      0, 0, 0, 1});
-}
-
-bool entriesUsable(const dmat4& m) {
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row)
-            if (!(std::abs(m[column][row]) <= kMaxCoordinate)) return false;
-    return true;
-}
-
-// Normals need the inverse transpose of the upper 3x3.
-bool invertible(const dmat4& m) {
-    const double scale = std::max({largest(dvec3(m[0])), largest(dvec3(m[1])), largest(dvec3(m[2]))});
-    if (!(scale > 0)) return false;
-    const glm::dmat3 linear(dvec3(m[0]) / scale, dvec3(m[1]) / scale, dvec3(m[2]) / scale);
-    return std::abs(glm::determinant(linear)) >= kMinDeterminant;
 }
 
 size_t editDistance(std::string_view a, std::string_view b) {
@@ -346,7 +322,7 @@ dvec3 SceneFile::vectorOf(const toml::node& node, const std::string& field) cons
 // A direction: any length but zero.
 dvec3 SceneFile::axisOf(const toml::node& node, const std::string& field) const {
     const dvec3 v = vectorOf(node, field);
-    if (largest(v) == 0) refuse(node, field + " is the zero vector");
+    if (largestMagnitude(v) == 0) refuse(node, field + " is the zero vector");
     return v;
 }
 
@@ -400,7 +376,7 @@ void SceneFile::eachTable(const toml::table& parent, std::string_view key, const
 void SceneFile::readSettings(const toml::table& root) {
     if (const auto* node = root.get("handedness"))
         scene_.leftHanded = choiceOf<bool>(*node, "handedness", {{"right", false}, {"left", true}});
-    if (const auto* node = root.get("up")) scene_.up = unit(axisOf(*node, "up"));
+    if (const auto* node = root.get("up")) scene_.up = unitVector(axisOf(*node, "up"));
     if (const auto* node = root.get("ambient")) scene_.ambient = colourOf(*node, "ambient", kMaxCoordinate);
     if (const auto* node = root.get("background")) scene_.background = colourOf(*node, "background", 1);
     if (const auto* node = root.get("encoding"))
@@ -438,23 +414,22 @@ void SceneFile::readCamera(const toml::table& table) {
         camera.eye = vectorOf(required(table, "eye", "camera"), "camera.eye");
         const toml::node& at = required(table, "at", "camera");
         const dvec3 toward = vectorOf(at, "camera.at") - camera.eye;
-        if (largest(toward) == 0) refuse(at, "camera.at is the same point as camera.eye");
+        if (largestMagnitude(toward) == 0) refuse(at, "camera.at is the same point as camera.eye");
         const auto* upNode = table.get("up");
-        const dvec3 up = upNode ? unit(axisOf(*upNode, "camera.up")) : scene_.up;
-        camera.forward = unit(toward);
+        const dvec3 up = upNode ? unitVector(axisOf(*upNode, "camera.up")) : scene_.up;
+        camera.forward = unitVector(toward);
         const dvec3 right = scene_.leftHanded ? glm::cross(up, camera.forward) : glm::cross(camera.forward, up);
-        // Below 2^-40 the direction of the cross product is mostly rounding error.
-        if (largest(right) < 0x1p-40)
+        if (largestMagnitude(right) < kMinCross)
             refuse(upNode ? *upNode : at, fmt::format("camera.up is parallel to the view direction{}",
                                                       upNode ? "" : "; state another camera.up"));
-        camera.right = unit(right);
+        camera.right = unitVector(right);
         camera.up = scene_.leftHanded ? glm::cross(camera.forward, camera.right) : glm::cross(camera.right, camera.forward);
         if (const auto* node = table.get("fov")) {
             camera.fovYDegrees = numberOf(*node, "camera.fov", 0, 180);
             if (camera.fovYDegrees < 1e-3 || camera.fovYDegrees > 179)
                 refuse(*node, fmt::format("camera.fov is {:g}, outside 0.001 to 179 degrees", camera.fovYDegrees));
         }
-        const double scale = largest(toward);
+        const double scale = largestMagnitude(toward);
         camera.focusDistance = glm::length(toward / scale) * scale;
     }
     if (const auto* node = table.get("near")) {
@@ -613,7 +588,7 @@ dmat4 SceneFile::readTransform(const toml::table& table, const std::string& fiel
     } else if (const auto* node = table.get("rotate")) {
         const toml::table& rotate = tableOf(*node, field + ".rotate");
         allowKeys(rotate, field + ".rotate", {"axis", "degrees", "through"});
-        const dvec3 axis = unit(axisOf(required(rotate, "axis", field + ".rotate"), field + ".rotate.axis"));
+        const dvec3 axis = unitVector(axisOf(required(rotate, "axis", field + ".rotate"), field + ".rotate.axis"));
         m = rotation(axis, numberOf(required(rotate, "degrees", field + ".rotate"), field + ".rotate.degrees"));
         if (const auto* through = rotate.get("through")) {
             const dvec3 point = vectorOf(*through, field + ".rotate.through");
@@ -638,7 +613,7 @@ dmat4 SceneFile::readTransform(const toml::table& table, const std::string& fiel
         if (rows[12] != 0 || rows[13] != 0 || rows[14] != 0 || rows[15] != 1)
             refuse(matrix, name + ": the last row is not 0, 0, 0, 1 (rows of a matrix for column vectors)");
         m = fromRows(rows);
-        if (!invertible(m)) refuse(matrix, name + " has no inverse");
+        if (!hasInverse(m)) refuse(matrix, name + " has no inverse");
         canBeAbout = false;
     }
     if (about) {
@@ -739,7 +714,7 @@ void SceneFile::placeObjects() {
                                                  : nodes_[size_t(node.parent)].worldFromNode * node.parentFromNode;
             if (!entriesUsable(node.worldFromNode))
                 refuse(*node.table, "object.transform: the world matrix has entries above 2^100");
-            if (node.mesh != kNone && !invertible(node.worldFromNode))
+            if (node.mesh != kNone && !hasInverse(node.worldFromNode))
                 refuse(*node.table, "object.transform: the world matrix has no inverse");
             node.depth = node.parent < 0 ? 1 : nodes_[size_t(node.parent)].depth + 1;
             if (node.depth > kMaxDepth) refuse(*node.table, tooDeep());
