@@ -74,7 +74,11 @@ struct DeviceChoice {
     std::string reason;            // one sentence, printed with -v and in JSON
     std::string advice;            // when nothing was found: what to install, in one or two lines; for stderr
     std::vector<std::string> notChosen; // "name: why", one each
+    std::shared_ptr<void> keepAlive; // what the choice has already loaded, for open(); opaque
 };
+
+// The rule behind Device::choose, over any list. `whyNone` explains an empty list.
+DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& whyNone, const DeviceRequest& request);
 
 struct DeviceImpl;
 

@@ -37,12 +37,14 @@ struct Reflection {
     uint32_t pushConstantBytes = 0;
     uint32_t localSize[3] = {1, 1, 1};       // default; a LocalSizeId is resolved against the constants given
     std::vector<uint32_t> specializationIds; // sorted
+    std::vector<std::string> specializationNames; // of the same constants; empty where the module has no names
 };
 
 // Throws Error(device) naming the module when the words are not a compute module this reader understands.
 Reflection reflect(const Module& module, const std::map<uint32_t, uint32_t>& constants = {});
 
-// constant_id -> 32-bit value (bool 0/1, int, float bits).
+// constant_id -> 32-bit value (bool 0/1, int, float bits). kNativeDivide and kNativeRoot of shaders/shared/exact.h are
+// set from the self-test by the recorder wherever a module has them and the caller does not give them.
 using Specialization = std::map<uint32_t, uint32_t>;
 
 }  // namespace plumb

@@ -1,0 +1,2 @@
+#include "host/selftest.h"
+namespace plumb { SelfTest runSelfTest(Device&) { return {}; } }

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+// Inside host/ only: the Vulkan objects behind device.h, buffer.h, program.h and recorder.h.
+// Ownership: Device -> DeviceImpl -> Instance (shared), MemoryPool (shared with the buffers), programs.
+// A buffer that outlives its device is harmless: the pool has already freed its block.
+#pragma once
+
+#include "host/device.h"
+#include "host/error.h"
+#include "host/program.h"
+#include "host/recorder.h"
+
+#include <volk.h>
+
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace plumb {
+
+const char* resultName(VkResult result);
+// "VK_ERROR_DEVICE_LOST from vkQueueSubmit(...) at host/recorder.cpp:12" unless VK_SUCCESS.
+void checkResult(VkResult result, Exit exit, const char* call, const char* file, int line);
+#define VK_CHECK(call) ::plumb::checkResult((call), ::plumb::Exit::failed, #call, __FILE__, __LINE__)
+#define VK_CHECK_START(call) ::plumb::checkResult((call), ::plumb::Exit::device, #call, __FILE__, __LINE__)
+
+// "1536 bytes", "12.3 MiB": for messages.
+std::string bytesText(uint64_t bytes);
+
+struct ValidationLog {
+    std::mutex mutex;
+    std::vector<std::string> lines;
+    bool toStderr = false;  // while the device is torn down, nobody can read `lines` any more
+};
+
+struct Instance {
+    VkInstance handle = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
+    bool validation = false;
+    ValidationLog log;
+
+    Instance() = default;
+    Instance(const Instance&) = delete;
+    ~Instance();
+
+    // Null when there is no loader or no driver; then `why` says which. Throws Error(device) when validation is asked
+    // for and the layer is missing. An instance of the same kind that is still alive is shared.
+    static std::shared_ptr<Instance> acquire(bool validation, std::string& why);
+    std::vector<VkPhysicalDevice> physicalDevices() const;
+};
+
+bool validationWanted(const DeviceRequest& request);
+DeviceInfo describe(VkPhysicalDevice physical, uint32_t index);
+
+// One VkBuffer with its own allocation, mapped; recycled whole.
+struct Block {
+    struct ViewKey {
+        VkFormat format;
+        uint64_t offset, range;
+        auto operator<=>(const ViewKey&) const = default;
+    };
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    void* mapped = nullptr;
+    uint64_t bytes = 0;           // usable
+    uint64_t allocatedBytes = 0;  // counted
+    std::map<ViewKey, VkBufferView> views;
+};
+
+// All device memory of one device. Keeps freed blocks for reuse as long as the budget allows: fresh pages of lavapipe
+// cost a page fault each.
+class MemoryPool {
+public:
+    MemoryPool(VkDevice device, const VolkDeviceTable& vk, const VkPhysicalDeviceMemoryProperties& types,
+               uint64_t allocationBytes, uint64_t budgetBytes);
+    ~MemoryPool();
+    Block* take(uint64_t bytes, const char* name);
+    void give(Block* block);
+    VkBufferView view(Block& block, VkFormat format, uint64_t offset, uint64_t range);
+    void close(bool leak);  // frees everything; give() does nothing afterwards
+
+    uint64_t budgetBytes() const { return budgetBytes_; }
+    uint64_t usedBytes() const { return usedBytes_; }
+    uint64_t peakBytes() const { return peakBytes_; }
+
+private:
+    void destroy(Block& block);
+    uint32_t memoryType(uint32_t allowed, const char* name) const;
+
+    mutable std::mutex mutex_;
+    VkDevice device_;
+    const VolkDeviceTable& vk_;
+    VkPhysicalDeviceMemoryProperties types_;
+    uint64_t allocationBytes_, budgetBytes_;
+    uint64_t usedBytes_ = 0, peakBytes_ = 0, keptBytes_ = 0;
+    std::list<Block> live_, kept_;
+    bool closed_ = false;
+};
+
+struct BufferImpl {
+    std::shared_ptr<MemoryPool> pool;
+    uint64_t bytes;
+    std::string name;
+    Block* block;
+
+    BufferImpl(std::shared_ptr<MemoryPool> from, uint64_t size, const char* called)
+        : pool(std::move(from)), bytes(size), name(called), block(pool->take(size, called)) {}
+    BufferImpl(BufferImpl&& other) noexcept
+        : pool(std::move(other.pool)), bytes(other.bytes), name(std::move(other.name)), block(std::exchange(other.block, nullptr)) {}
+    BufferImpl& operator=(BufferImpl&&) = delete;
+    ~BufferImpl() { if (block) pool->give(block); }
+};
+
+struct Program {
+    Reflection reflection;
+    VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+};
+
+struct DeviceImpl {
+    std::shared_ptr<Instance> instance;
+    VkPhysicalDevice physical = VK_NULL_HANDLE;
+    VkDevice handle = VK_NULL_HANDLE;
+    VolkDeviceTable vk{};
+    uint32_t queueFamily = 0;
+    VkQueue queue = VK_NULL_HANDLE;
+    uint32_t timestampBits = 0;
+    uint32_t driverVersion = 0;
+    uint32_t stageBindings[3] = {};  // per stage: storage buffers, texel buffers, all
+    DeviceInfo info;
+    DeviceLimits limits;
+    SelfTest selfTest;
+    std::shared_ptr<MemoryPool> memory;
+    VkPipelineCache pipelineCache = VK_NULL_HANDLE;
+    std::map<std::string, Program> programs;
+    // A fence timed out: work may still run, so nothing that it uses may be destroyed.
+    bool hung = false;
+
+    DeviceImpl() = default;
+    DeviceImpl(const DeviceImpl&) = delete;
+    ~DeviceImpl();
+
+    // The pipeline of (module, constants), made on first use. Constants of exact.h that are not given follow the
+    // self-test. Throws Error(failed) naming the module.
+    Program& program(const Module& module, const Specialization& constants);
+};
+
+// Applies PLUMB_LIMITS; throws Error(device) on an unknown name or a value above the device's own.
+// `memoryBudgetBytes` is lowered by "memory=".
+void shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memoryBudgetBytes);
+// min(heap, half of MemAvailable, cgroup limits, asked); 0 asked: no wish.
+uint64_t memoryBudget(uint64_t heapBytes, uint64_t askedBytes);
+
+}  // namespace plumb
