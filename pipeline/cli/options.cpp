@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/cli/options.h"
+
+#include "host/error.h"
+#include "pipeline/scene/text.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace plumb {
+namespace {
+
+// A value that a flag does not accept; the parser knows the flag and what it accepts.
+struct Refused {};
+
+constexpr uint32_t kDraw = kRender | kVerify;
+constexpr uint32_t kReads = kRender | kVerify | kInfo;
+constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo;
+constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices;
+constexpr uint32_t kLargestSide = 65536;
+
+// All of `text`, without a locale; NaN, infinity and out of range are refused.
+template <class T>
+T number(std::string_view text, T least, T most) {
+    if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || text.empty()) throw Refused{};
+    if (!(value >= least && value <= most)) throw Refused{};
+    return value;
+}
+double real(std::string_view text, double least = -1e30, double most = 1e30) { return number<double>(text, least, most); }
+
+std::vector<std::string_view> split(std::string_view text, char by) {
+    std::vector<std::string_view> parts;
+    for (;;) {
+        const size_t at = text.find(by);
+        parts.push_back(text.substr(0, at));
+        if (at == text.npos) return parts;
+        text.remove_prefix(at + 1);
+    }
+}
+
+template <class T>
+T oneOf(const std::string& text, std::initializer_list<std::pair<const char*, T>> rows) {
+    for (const auto& [word, value] : rows)
+        if (text == word) return value;
+    throw Refused{};
+}
+
+glm::dvec3 vector(const std::string& text) {
+    const auto parts = split(text, ',');
+    if (parts.size() != 3) throw Refused{};
+    return {real(parts[0]), real(parts[1]), real(parts[2])};
+}
+
+void setSize(Options& o, const std::string& text) {
+    const auto parts = split(text, 'x');
+    if (parts.size() != 2) throw Refused{};
+    o.size = glm::uvec2(number<uint32_t>(parts[0], 1, kLargestSide), number<uint32_t>(parts[1], 1, kLargestSide));
+}
+
+void setBackground(Options& o, const std::string& text) {
+    BackgroundFlag background;
+    if (text == "transparent") {
+        background.transparent = true;
+    } else {
+        if (text.size() != 7 || text[0] != '#') throw Refused{};
+        for (size_t i = 0; i < 3; ++i) {
+            unsigned value = 0;
+            const char* first = text.data() + 1 + 2 * i;
+            if (std::from_chars(first, first + 2, value, 16).ptr != first + 2) throw Refused{};
+            background.rgb[i] = uint8_t(value);
+        }
+    }
+    o.background = background;
+}
+
+void setUp(Options& o, const std::string& text) {
+    if (text.size() == 2 && (text[0] == '+' || text[0] == '-')) {
+        const size_t axis = std::string("XYZxyz").find(text[1]);
+        if (axis == std::string::npos) throw Refused{};
+        glm::dvec3 up(0);
+        up[int(axis % 3)] = text[0] == '+' ? 1 : -1;
+        o.up = up;
+        return;
+    }
+    o.up = vector(text);
+    if (glm::length(*o.up) == 0) throw Refused{};
+}
+
+void addView(Options& o, const std::string& text) {
+    const auto parts = split(text, ',');
+    if (parts.size() == 2) {
+        real(parts[0], -360, 360);
+        real(parts[1], -90, 90);
+    } else {
+        oneOf<int>(text, {{"front", 0}, {"back", 0}, {"left", 0}, {"right", 0}, {"top", 0}, {"bottom", 0}, {"iso", 0}});
+    }
+    o.views.push_back(text);
+}
+
+void addAovs(Options& o, const std::string& text) {
+    for (const auto part : split(text, ',')) {
+        const Aov aov = oneOf<Aov>(std::string(part), {{"color", Aov::colour},
+                                                       {"colour", Aov::colour},
+                                                       {"linear", Aov::linear},
+                                                       {"depth", Aov::depth},
+                                                       {"distance", Aov::distance},
+                                                       {"normal", Aov::normal},
+                                                       {"object_id", Aov::objectId},
+                                                       {"id", Aov::objectId},
+                                                       {"primitive_id", Aov::primitiveId}});
+        if (std::find(o.aovs.begin(), o.aovs.end(), aov) == o.aovs.end()) o.aovs.push_back(aov);
+    }
+}
+
+void setMemory(Options& o, const std::string& text) {
+    std::string_view digits = text;
+    int shift = 0;
+    if (!digits.empty()) {
+        const size_t unit = std::string("KMGkmg").find(digits.back());
+        if (unit != std::string::npos) shift = 10 * (1 + int(unit % 3)), digits.remove_suffix(1);
+    }
+    o.memoryBytes = number<uint64_t>(digits, 1, std::numeric_limits<uint64_t>::max() >> shift) << shift;
+    if (o.memoryBytes < (uint64_t(1) << 20)) throw Refused{};
+}
+
+void setFailBlank(Options& o, const std::string& text) {
+    if (text.empty()) {
+        o.failBlank = 0.001;
+        return;
+    }
+    std::string_view digits = text;
+    const bool percent = digits.back() == '%';
+    if (percent) digits.remove_suffix(1);
+    o.failBlank = percent ? real(digits, 0, 100) / 100 : real(digits, 0, 1);
+}
+
+const std::vector<const char*> kNoWords;
+const std::vector<const char*> kFile = {"FILE"};
+const std::vector<const char*> kDeviceWords = {"auto", "twin", "lavapipe", "gpu", "software"};
+
+const std::vector<Flag> kFlags = {
+    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}' and '{aov}' are filled in", "",
+     "a path that ends in .png, .exr or .npy, or -", kFile, kDraw, [](Options& o, const std::string& v) {
+         if (v.empty()) throw Refused{};
+         o.output = v;
+     }},
+    {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender, [](Options& o, const std::string&) { o.noClobber = true; }},
+    {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw, setSize},
+    {"--shading", "MODE", "how faces are shaded", "the scene's, else phong", "wire, unlit, flat, gouraud, phong",
+     {"wire", "unlit", "flat", "gouraud", "phong"}, kDraw,
+     [](Options& o, const std::string& v) {
+         o.shading = oneOf<Shading>(v, {{"wire", Shading::wire}, {"unlit", Shading::unlit}, {"flat", Shading::flat}, {"gouraud", Shading::gouraud}, {"phong", Shading::phong}});
+     }},
+    {"--samples", "N", "samples a pixel, in an ordered grid", "1", "1, 4, 16", {"1", "4", "16"}, kDraw,
+     [](Options& o, const std::string& v) { o.samples = oneOf<uint32_t>(v, {{"1", 1}, {"4", 4}, {"16", 16}}); }},
+    {"--encode", "CURVE", "how linear light becomes bytes", "the scene's, else srgb", "srgb, linear", {"srgb", "linear"}, kDraw,
+     [](Options& o, const std::string& v) { o.encoding = oneOf<Encoding>(v, {{"srgb", Encoding::srgb}, {"linear", Encoding::linear}}); }},
+    {"--background", "COLOUR", "what shows where nothing is drawn, as bytes of the picture", "the scene's, else #000000", "#rrggbb (hexadecimal) or transparent",
+     {"transparent"}, kDraw, setBackground},
+    {"--aov", "LIST", "planes to write, by commas: several into an .exr, one into an .npy (or '{aov}' in -o)", "color",
+     "color, linear, depth, distance, normal, object_id (or id), primitive_id, by commas",
+     {"color", "linear", "depth", "distance", "normal", "object_id", "primitive_id"}, kRender, addAovs, true},
+    {"--bits", "N", "bits of a PNG channel", "8", "8, 16", {"8", "16"}, kRender, [](Options& o, const std::string& v) { o.bits = oneOf<int>(v, {{"8", 8}, {"16", 16}}); }},
+    {"--eye", "X,Y,Z", "where the camera stands, in world space", "the scene's, else framed", "three finite numbers by commas, e.g. 0,1,3.4", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.eye = vector(v); }},
+    {"--at", "X,Y,Z", "the point it looks at", "the scene's, else the centre of the framed object", "three finite numbers by commas, e.g. 0,1,0", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.at = vector(v); }},
+    {"--up", "AXIS", "the direction that is up", "the scene's, else +Y", "+X, -X, +Y, -Y, +Z, -Z, or three finite numbers by commas, not all 0",
+     {"+X", "-X", "+Y", "-Y", "+Z", "-Z"}, kDraw, setUp},
+    {"--fov", "DEGREES", "vertical field of view", "the scene's, else 45", "degrees, 0.01 to 179", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.fovDegrees = real(v, 0.01, 179); }},
+    {"--near", "DISTANCE", "distance of the near plane", "the scene's, else the largest power of two not above 2^-10 of the distance to the framed centre", "a number above 0", kNoWords,
+     kDraw,
+     [](Options& o, const std::string& v) { o.near = real(v, 1e-30, 1e30); }},
+    {"--view", "VIEW", "look from here at the whole scene; given several times, the views make a contact sheet", "",
+     "front, back, left, right, top, bottom, iso, or AZIMUTH,ELEVATION in degrees (-360 to 360, -90 to 90)",
+     {"front", "back", "left", "right", "top", "bottom", "iso"}, kDraw, addView, true},
+    {"--turntable", "N", "N pictures of one turn about the up axis; -o needs '{n}'", "", "a whole number, 1 to 100000", kNoWords, kRender,
+     [](Options& o, const std::string& v) { o.turntable = number<uint32_t>(v, 1, 100000); }},
+    {"--device", "DEVICE", "what draws", "auto", "auto, twin, lavapipe, gpu, software, an index, a UUID or a part of a name (`plumb devices` lists them)", kDeviceWords,
+     kUsesDevice,
+     [](Options& o, const std::string& v) {
+         if (v.empty()) throw Refused{};
+         o.device = v;
+     }},
+    {"--require-device", "KIND", "exit 4 rather than draw with anything else", "", "the words of --device", kDeviceWords, kUsesDevice,
+     [](Options& o, const std::string& v) {
+         if (v.empty()) throw Refused{};
+         o.requireDevice = v;
+     }},
+    {"--threads", "N", "threads of the CPU twin; changes no byte", "all", "a whole number, 0 (all) to 4096", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.threads = number<uint32_t>(v, 0, 4096); }},
+    {"--memory", "BYTES", "budget of device memory; K, M, G are powers of 1024", "half of the free memory at most", "a whole number with K, M or G, at least 1M", kNoWords,
+     kUsesDevice,
+     setMemory},
+    {"--watchdog", "MS", "give a dispatch up after this time", "60000", "milliseconds, 1 to 86400000", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.watchdogMs = real(v, 1, 86400000); }},
+    {"--limit-chunk", "N", "triangles of a chunk (tests)", "the device's", "a whole number above 0", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.limitChunk = number<uint64_t>(v, 1, ~uint64_t(0)); }, false, true},
+    {"--limit-band", "ROWS", "rows of a band (tests)", "the device's", "a whole number above 0", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.limitBand = number<uint32_t>(v, 1, ~uint32_t(0)); }, false, true},
+    {"--strict", "", "refuse what a file asks for and is not drawn, and missing material libraries", "", "", kNoWords, kReads,
+     [](Options& o, const std::string&) { o.strict = true; }},
+    {"--allow-outside", "", "let files name files outside their own folder", "", "", kNoWords, kReads, [](Options& o, const std::string&) { o.allowOutside = true; }},
+    {"--crease", "DEGREES", "where normals are missing, faces that meet at less are smooth", "60", "degrees, 0 to 180", kNoWords, kReads,
+     [](Options& o, const std::string& v) { o.creaseDegrees = real(v, 0, 180); }},
+    {"--fail-blank", "[=SHARE]", "exit 7 and write nothing when less of the picture is covered, or it has one colour only", "0.1%", "a share, 0 to 1, or a percentage, e.g. 0.1%",
+     kNoWords, kRender, setFailBlank},
+    {"--json", "[=FILE]", "write the report as JSON, to standard output or to FILE", "", "a path", kFile, kReports,
+     [](Options& o, const std::string& v) {
+         o.json = true;
+         o.jsonFile = v == "-" ? "" : v;
+     }},
+    {"--progress", "MODE", "progress on standard error; auto is a bar on a terminal and nothing elsewhere", "auto", "auto, bar, plain, json, none",
+     {"auto", "bar", "plain", "json", "none"}, kDraw,
+     [](Options& o, const std::string& v) {
+         o.progress = oneOf<ProgressMode>(v, {{"auto", ProgressMode::automatic}, {"bar", ProgressMode::bar}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}});
+     }},
+    {"--explain", "", "say which passes run, which were dropped and why; without -o nothing is drawn", "", "", kNoWords, kRender,
+     [](Options& o, const std::string&) { o.explain = true; }},
+    {"-q,--quiet", "", "errors only", "", "", kNoWords, kReports, [](Options& o, const std::string&) { o.quiet = true; }},
+    {"-v,--verbose", "", "say more: the device and its reason, times of the passes", "", "", kNoWords, kReports, [](Options& o, const std::string&) { ++o.verbose; }, true},
+    {"--man", "", "print the man page", "", "", kNoWords, kHelp, [](Options& o, const std::string&) { o.man = true; }},
+    {"--completion", "SHELL", "print the completion script of a shell", "", "bash, zsh, fish", {"bash", "zsh", "fish"}, kHelp,
+     [](Options& o, const std::string& v) {
+         oneOf<int>(v, {{"bash", 0}, {"zsh", 0}, {"fish", 0}});
+         o.completion = v;
+     }},
+    {"-h,--help", "", "print help", "", "", kNoWords, kEveryCommand, [](Options& o, const std::string&) { o.help = true; }},
+    {"--version", "", "print version, commit and the hashes of the shaders", "", "", kNoWords, kEveryCommand, [](Options& o, const std::string&) { o.version = true; }},
+};
+
+const std::vector<CommandRow> kCommands = {
+    {kRender, "render", "SCENE|MESH...", "draw a scene",
+     "Draws a scene file (.toml), a glTF (.gltf, .glb) or bare meshes (.obj, .ply, .stl, .off) and writes the picture. A scene without a camera is framed, a bare mesh is lit. "
+     "Without a usable Vulkan device the CPU twin draws the same bytes and says so.",
+     {{{"plumb render mug.obj -o mug.png", "a framed, lit picture of 640x480 pixels"},
+       {"plumb render mug.obj --view front --view iso --view 30,20 --size 320x240 -o sheet.png", "three views as one contact sheet"},
+       {"plumb render scene.toml --aov color,depth,normal,object_id -o scene.exr --json", "measurements as one EXR, the report on standard output"}}}},
+    {kVerify, "verify", "SCENE|MESH...", "compare the device with the CPU twin",
+     "Draws each scene on the device and by the CPU twin and compares them twice: each pass on the twin's input, and the whole chain on each side's own output. "
+     "Prints every plane with its SHA-256. Exit 1 names the first differing tile, pixel, both values, ULP distance, object and primitive, and with -o writes both pictures and their difference beside it.",
+     {{{"plumb verify scene.toml", "all passes and planes at the scene's size"},
+       {"plumb verify *.obj --size 333x211 --samples 4", "several meshes at an awkward size"},
+       {"plumb verify mug.obj --device lavapipe --json=verify.json -o verify/mug.png", "one device, a report, and pictures in case of a difference"}}}},
+    {kDevices, "devices", "", "list what can draw",
+     "Lists what the Vulkan loader finds, what would be picked and why not the others, and what the start-up self-test says.",
+     {{{"plumb devices", "a list to read"},
+       {"plumb devices --json", "the same for programs"},
+       {"plumb devices --require-device gpu", "exit 4 when there is no GPU"}}}},
+    {kInfo, "info", "SCENE|MESH...", "describe scenes and meshes",
+     "Counts, bounds, open and non-manifold edges, degenerate faces and materials of each file. Needs no device.",
+     {{{"plumb info mug.obj", "what is in the file"},
+       {"plumb info --json *.stl", "one JSON object a file"},
+       {"plumb info --strict model.glb", "exit 3 when the file asks for what is not drawn"}}}},
+    {kHelp, "help", "[COMMAND]", "explain a command",
+     "Prints the flags of a command with examples, the man page, or the completions of a shell.",
+     {{{"plumb help render", "flags and examples of one command"},
+       {"plumb help --man | man -l -", "the manual"},
+       {"plumb help --completion bash > plumb.bash", "completions to be sourced"}}}},
+};
+
+// Reserved by the design for later versions, so that nothing else takes the words.
+constexpr std::array kLater = {"diff", "measure", "plan", "bench", "stress", "matrix", "view", "merge", "worker", "report"};
+
+constexpr std::array<ExitRow, 10> kExitCodes = {{{0, "done, and every gate held"},
+                                                 {1, "compared, and different"},
+                                                 {2, "the command line is refused"},
+                                                 {3, "the input is refused"},
+                                                 {4, "no usable device, or not the required one"},
+                                                 {5, "render or write failed"},
+                                                 {6, "the budget cannot be met"},
+                                                 {7, "the picture is blank and --fail-blank was given"},
+                                                 {130, "interrupted"},
+                                                 {143, "terminated"}}};
+
+size_t distance(std::string_view a, std::string_view b) {  // Levenshtein
+    std::vector<size_t> row(b.size() + 1);
+    for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (size_t i = 1; i <= a.size(); ++i) {
+        size_t diagonal = row[0];
+        row[0] = i;
+        for (size_t j = 1; j <= b.size(); ++j) {
+            const size_t above = row[j];
+            row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
+            diagonal = above;
+        }
+    }
+    return row[b.size()];
+}
+
+// "; did you mean 'x'?" for the nearest word that is at most two edits away.
+std::string suggestion(std::string_view word, const std::vector<std::string>& words) {
+    std::string best;
+    size_t least = 3;
+    for (const std::string& w : words) {
+        const size_t d = distance(word, w);
+        if (d < least) least = d, best = w;
+    }
+    return best.empty() ? "" : fmt::format("; did you mean '{}'?", best);
+}
+
+Command commandOf(const std::string& word) {
+    for (const CommandRow& row : kCommands)
+        if (word == row.name) return row.bit;
+    if (std::find(kLater.begin(), kLater.end(), word) != kLater.end()) throw usageError(fmt::format("'{}' is not in this version", word));
+    std::vector<std::string> words;
+    for (const CommandRow& row : kCommands) words.emplace_back(row.name);
+    throw usageError(fmt::format("'{}' is not a command{}; commands: {}", printable(word), suggestion(word, words), fmt::join(words, ", ")));
+}
+
+Error unknownFlag(const std::string& token) {
+    const std::string name = token.substr(0, token.find('='));
+    std::vector<std::string> words;
+    for (const Flag& flag : kFlags)
+        if (!flag.hidden) words.push_back(flag.longName());
+    return usageError(fmt::format("unknown flag '{}'{}", printable(name), suggestion(name, words)));
+}
+
+void checkTogether(const Options& o) {
+    if (o.quiet && o.verbose != 0) throw usageError("-q and -v exclude each other");
+    if (o.turntable != 0 && o.views.size() > 1) throw usageError("--turntable turns one view: give --view once at most");
+    if (!o.views.empty() && (o.eye || o.at)) throw usageError("--view and --eye/--at exclude each other");
+    if (o.command == kRender && o.json && o.jsonFile.empty() && o.output == "-")
+        throw usageError("--json and -o - both want standard output: use --json=FILE or -o FILE");
+}
+
+}  // namespace
+
+std::string Flag::longName() const {
+    const std::string all = names;
+    return all.substr(all.find("--"));
+}
+std::string Flag::shortName() const {
+    const std::string all = names;
+    return all[1] == '-' ? "" : all.substr(0, 2);
+}
+
+std::span<const Flag> flags() { return kFlags; }
+std::span<const CommandRow> commands() { return kCommands; }
+std::span<const ExitRow> exitCodes() { return kExitCodes; }
+const CommandRow& rowOf(Command command) {
+    for (const CommandRow& row : kCommands)
+        if (row.bit == command) return row;
+    PLUMB_ASSERT(!"a command has a row");
+    return kCommands[0];
+}
+
+const char* nameOf(Aov aov) {
+    static constexpr const char* names[] = {"color", "linear", "depth", "distance", "normal", "object_id", "primitive_id"};
+    return names[size_t(aov)];
+}
+const char* nameOf(Shading shading) {
+    static constexpr const char* names[] = {"wire", "unlit", "flat", "gouraud", "phong"};
+    return names[size_t(shading)];
+}
+const char* nameOf(Encoding encoding) { return encoding == Encoding::srgb ? "srgb" : "linear"; }
+std::string versionText() { return PLUMB_VERSION; }
+
+Options parseOptions(const std::vector<std::string>& arguments) {
+    CLI::App app;
+    app.set_help_flag("");
+    app.allow_extras();
+    std::vector<std::string> words;
+    app.add_option("words", words);
+    std::vector<std::vector<std::string>> values(kFlags.size());
+    std::vector<CLI::Option*> switches(kFlags.size());
+    for (size_t i = 0; i < kFlags.size(); ++i) {
+        const Flag& flag = kFlags[i];
+        if (flag.isSwitch() || flag.optionalValue())
+            switches[i] = app.add_flag(flag.names);
+        else
+            app.add_option(flag.names, values[i])->allow_extra_args(false);
+    }
+    for (const std::string& argument : arguments) {
+        if (argument == "--") break;
+        if (argument.size() > 3 && argument.starts_with("--") && argument.find('=') == argument.size() - 1)
+            throw usageError(fmt::format("{}: a value is missing after '='", printable(argument.substr(0, argument.size() - 1))));
+    }
+    try {
+        app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the back
+    } catch (const CLI::ArgumentMismatch& e) {
+        const std::string text = e.what();
+        for (const Flag& flag : kFlags)
+            if (text.find(flag.longName() + ":") != std::string::npos || text.find(flag.longName() + " ") != std::string::npos)
+                throw usageError(fmt::format("{}: a value is missing; accepted: {}", flag.longName(), flag.accepted));
+        throw usageError(text);
+    } catch (const CLI::ParseError& e) {
+        throw usageError(e.what());
+    }
+    for (const std::string& extra : app.remaining())
+        if (extra != "--") throw unknownFlag(extra);
+
+    Options options;
+    for (size_t i = 0; i < kFlags.size(); ++i) {
+        const std::string name = kFlags[i].longName();
+        if (switches[i] != nullptr) {
+            for (const std::string& result : switches[i]->results()) {
+                const bool bare = result == "true";
+                if (!bare && kFlags[i].isSwitch()) throw usageError(fmt::format("{} takes no value", name));
+                values[i].push_back(bare ? "" : result);
+            }
+        }
+        if (values[i].size() > 1 && !kFlags[i].repeatable) throw usageError(fmt::format("{} is given {} times; once is enough", name, values[i].size()));
+        for (const std::string& value : values[i]) {
+            try {
+                kFlags[i].set(options, value);
+            } catch (const Refused&) {
+                throw usageError(fmt::format("{}: '{}' is refused; accepted: {}", name, printable(value), kFlags[i].accepted));
+            }
+        }
+    }
+    if (words.empty()) {
+        if (!options.help && !options.version) throw usageError("a command is missing; `plumb help` lists them");
+        return options;
+    }
+    options.command = commandOf(words[0]);
+    options.inputs.assign(words.begin() + 1, words.end());
+    for (size_t i = 0; i < kFlags.size(); ++i)
+        if (!values[i].empty() && (kFlags[i].commands & options.command) == 0)
+            throw usageError(fmt::format("{} is not a flag of `plumb {}`; `plumb help {}` lists them", kFlags[i].longName(), words[0], words[0]));
+    if (options.help || options.version) return options;
+    const CommandRow& row = rowOf(options.command);
+    if (options.command == kHelp) {
+        if (options.inputs.size() > 1) throw usageError("help takes one command");
+        if (!options.inputs.empty()) commandOf(options.inputs[0]);
+    } else if (row.operands[0] == '\0') {
+        if (!options.inputs.empty()) throw usageError(fmt::format("`plumb {}` takes no operand, and '{}' is one", row.name, printable(options.inputs[0])));
+    } else if (options.inputs.empty()) {
+        throw usageError(fmt::format("`plumb {}` needs {}", row.name, row.operands));
+    }
+    checkTogether(options);
+    return options;
+}
+
+}  // namespace plumb

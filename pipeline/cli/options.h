@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// The command line as a request. One table of flags makes the parser, the help, the man page and the completions, so
+// they cannot disagree. The order of flags never matters: a flag may stand before the command, and a flag that takes one
+// value and is given twice is refused rather than letting the later one win.
+#pragma once
+
+#include "pipeline/scene/scene.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace plumb {
+
+enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kEveryCommand = 31 };
+
+enum class ProgressMode { automatic, bar, plain, json, none };
+enum class Aov { colour, linear, depth, distance, normal, objectId, primitiveId };
+
+const char* nameOf(Aov);
+
+// As written on the command line: bytes of the picture, before any encoding is undone.
+struct BackgroundFlag {
+    bool transparent = false;
+    std::array<uint8_t, 3> rgb{};
+};
+
+struct Options {
+    Command command = kHelp;
+    std::vector<std::string> inputs;        // what stands after the command
+    bool help = false, version = false;
+
+    std::string output;                     // empty: not given; "-": stdout
+    bool noClobber = false;
+    std::optional<glm::uvec2> size;
+    std::optional<Shading> shading;
+    std::optional<Encoding> encoding;
+    uint32_t samples = 1;
+    std::optional<BackgroundFlag> background;
+    std::vector<Aov> aovs;                  // empty: colour
+    int bits = 8;
+
+    std::optional<glm::dvec3> eye, at, up;
+    std::optional<double> fovDegrees, near;
+    std::vector<std::string> views;         // words of frameCamera()
+    uint32_t turntable = 0;                 // pictures of one turn; 0: none
+
+    std::string device = "auto", requireDevice;
+    uint32_t threads = 0;
+    uint64_t memoryBytes = 0;
+    double watchdogMs = 60000;
+    uint64_t limitChunk = 0;
+    uint32_t limitBand = 0;
+
+    bool strict = false, allowOutside = false;
+    double creaseDegrees = 60;
+    std::optional<double> failBlank;        // smallest covered fraction that is not blank
+    bool json = false;
+    std::string jsonFile;                   // empty: stdout
+    ProgressMode progress = ProgressMode::automatic;
+    bool explain = false, quiet = false;
+    uint32_t verbose = 0;
+    bool man = false;
+    std::string completion;                 // bash, zsh, fish
+};
+
+// One row a flag. `argument` is "" for a switch, "[=X]" when the value may be left out.
+struct Flag {
+    const char* names;                      // "-o,--output"
+    const char* argument;
+    const char* help;                       // one sentence without a full stop
+    const char* fallback;                   // default as shown; "" when there is none
+    const char* accepted;                   // what a refused value is told
+    std::vector<const char*> words;         // values to complete; "FILE" completes file names
+    uint32_t commands;
+    void (*set)(Options&, const std::string&);  // throws Refused (options.cpp) on a value that is not accepted
+    bool repeatable = false;
+    bool hidden = false;
+
+    bool isSwitch() const { return argument[0] == '\0'; }
+    bool optionalValue() const { return argument[0] == '['; }
+    std::string longName() const;           // "--output"
+    std::string shortName() const;          // "-o", or ""
+};
+
+struct CommandRow {
+    Command bit;
+    const char* name;
+    const char* operands;                   // "SCENE|MESH..."
+    const char* summary;
+    const char* description;
+    std::array<std::array<const char*, 2>, 3> examples;  // command line, what it does
+};
+
+struct ExitRow {
+    int code;
+    const char* meaning;
+};
+
+std::span<const Flag> flags();
+std::span<const CommandRow> commands();
+std::span<const ExitRow> exitCodes();
+const CommandRow& rowOf(Command);
+
+// Arguments without the program's name. Throws Error(usage): one line naming the flag and the accepted values.
+Options parseOptions(const std::vector<std::string>& arguments);
+
+std::string usageText();                    // `plumb help`
+std::string helpText(Command);              // `plumb help CMD`: flags, three examples, exit codes
+std::string manPage();                      // roff for man(1)
+std::string completionScript(const std::string& shell);  // bash, zsh, fish
+
+// "640x480" etc. as printed in messages and JSON.
+const char* nameOf(Shading);
+const char* nameOf(Encoding);
+std::string versionText();                  // "0.1.0"
+
+}  // namespace plumb

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+// The command line: what is accepted, what is refused and how, and that everything made from the table holds the table.
+#include "host/error.h"
+#include "pipeline/cli/options.h"
+#include "pipeline/cli/progress.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sstream>
+
+namespace plumb {
+namespace {
+
+Options parse(const std::string& line) {
+    std::istringstream in(line);
+    std::vector<std::string> words;
+    for (std::string word; in >> word;) words.push_back(word);
+    return parseOptions(words);
+}
+
+TEST(Options, TakeEveryValueOfTheTable) {
+    const Options o = parse(
+        "render a.obj b.ply -o out.exr --size 333x211 --shading gouraud --samples 16 --encode linear --background #12ab00 --aov depth,id,depth "
+        "--aov color --bits 16 --eye -1,2.5,3e2 --at 0,0,0 --up -Z --fov 30 --near 0.5 --device lavapipe --require-device software --threads 3 "
+        "--no-clobber --fail-blank=2% --json=r.json --progress json --explain --strict --allow-outside --crease 12 --memory 2G --limit-chunk 7 "
+        "--limit-band 9 --watchdog 500 -v -v");
+    EXPECT_EQ(o.command, kRender);
+    EXPECT_EQ(o.inputs, (std::vector<std::string>{"a.obj", "b.ply"}));
+    EXPECT_EQ(o.output, "out.exr");
+    EXPECT_EQ(*o.size, glm::uvec2(333, 211));
+    EXPECT_EQ(*o.shading, Shading::gouraud);
+    EXPECT_EQ(o.samples, 16u);
+    EXPECT_EQ(*o.encoding, Encoding::linear);
+    EXPECT_EQ(o.background->rgb, (std::array<uint8_t, 3>{0x12, 0xab, 0}));
+    EXPECT_EQ(o.aovs, (std::vector<Aov>{Aov::depth, Aov::objectId, Aov::colour}));
+    EXPECT_EQ(o.bits, 16);
+    EXPECT_EQ(*o.eye, glm::dvec3(-1, 2.5, 300));
+    EXPECT_EQ(*o.up, glm::dvec3(0, 0, -1));
+    EXPECT_EQ(*o.fovDegrees, 30);
+    EXPECT_EQ(*o.near, 0.5);
+    EXPECT_EQ(o.device, "lavapipe");
+    EXPECT_EQ(o.requireDevice, "software");
+    EXPECT_EQ(o.threads, 3u);
+    EXPECT_TRUE(o.noClobber && o.json && o.explain && o.strict && o.allowOutside);
+    EXPECT_EQ(*o.failBlank, 0.02);
+    EXPECT_EQ(o.jsonFile, "r.json");
+    EXPECT_EQ(o.progress, ProgressMode::json);
+    EXPECT_EQ(o.creaseDegrees, 12);
+    EXPECT_EQ(o.memoryBytes, uint64_t(2) << 30);
+    EXPECT_EQ(o.limitChunk, 7u);
+    EXPECT_EQ(o.limitBand, 9u);
+    EXPECT_EQ(o.watchdogMs, 500);
+    EXPECT_EQ(o.verbose, 2u);
+}
+
+TEST(Options, AreTheSameInAnyOrder) {
+    for (const char* line : {"render a.obj --json -o x.png --size 8x9 -v", "--size 8x9 -v --json -o x.png render a.obj", "-o x.png render --size=8x9 --json a.obj -v",
+                             "-v --json render -ox.png --size 8x9 -- a.obj"}) {
+        const Options o = parse(line);
+        EXPECT_EQ(o.command, kRender) << line;
+        EXPECT_EQ(o.inputs, std::vector<std::string>{"a.obj"}) << line;
+        EXPECT_EQ(o.output, "x.png") << line;
+        EXPECT_EQ(*o.size, glm::uvec2(8, 9)) << line;
+        EXPECT_TRUE(o.json && o.jsonFile.empty()) << line;
+        EXPECT_EQ(o.verbose, 1u) << line;
+    }
+}
+
+TEST(Options, AreAccepted) {
+    for (const char* line :
+         {"render a.obj -o -", "render a.obj -o - --json=x.json", "render a.obj --json -o x.png", "render a.obj --view front --view -30,20 -o x.png",
+          "render a.obj --turntable 12 -o s_{n}.png --view iso", "render a.obj --background transparent -o a.png", "render a.obj --fail-blank -o a.png",
+          "render a.obj --up 0,0,1 -o a.png", "render a.obj --explain", "verify a.toml b.obj --json -o d/x.png", "devices --require-device gpu", "devices", "info a.obj --json",
+          "help", "help render", "help --man", "help --completion fish", "--version", "--help", "render --help", "render a.obj -o a.png --memory 1048576",
+          "render a.obj -o a.png --size 65536x1"})
+        EXPECT_NO_THROW(parse(line)) << line;
+}
+
+TEST(Options, AreRefusedWithAReason) {
+    const struct {
+        const char* line;
+        const char* says;
+    } rows[] = {
+        {"", "a command is missing"},
+        {"rendr a.obj", "did you mean 'render'?"},
+        {"a.obj", "is not a command"},
+        {"diff a b", "'diff' is not in this version"},
+        {"measure x", "'measure' is not in this version"},
+        {"plan x", "not in this version"},
+        {"bench", "not in this version"},
+        {"stress", "not in this version"},
+        {"matrix", "not in this version"},
+        {"view x", "not in this version"},
+        {"merge x", "not in this version"},
+        {"worker", "not in this version"},
+        {"report x", "not in this version"},
+        {"render", "needs SCENE|MESH..."},
+        {"info", "needs"},
+        {"devices x", "takes no operand"},
+        {"help nothing", "is not a command"},
+        {"help render verify", "one command"},
+        {"render a.obj --sise 3x3", "unknown flag '--sise'; did you mean '--size'?"},
+        {"render a.obj -z", "unknown flag '-z'"},
+        {"render a.obj --size", "--size: a value is missing"},
+        {"render a.obj --size=", "--size: a value is missing"},
+        {"render a.obj --size 640", "--size: '640' is refused; accepted: WIDTHxHEIGHT"},
+        {"render a.obj --size 0x4", "--size"},
+        {"render a.obj --size 4x65537", "--size"},
+        {"render a.obj --size 4x4x4", "--size"},
+        {"render a.obj --size -4x4", "--size"},
+        {"render a.obj --size 4.5x4", "--size"},
+        {"render a.obj --size 8x8 --size 9x9", "--size is given 2 times"},
+        {"render a.obj --shading toon", "--shading: 'toon' is refused; accepted: wire, unlit, flat, gouraud, phong"},
+        {"render a.obj --samples 2", "accepted: 1, 4, 16"},
+        {"render a.obj --encode gamma", "srgb, linear"},
+        {"render a.obj --background red", "#rrggbb"},
+        {"render a.obj --background #12345", "#rrggbb"},
+        {"render a.obj --background #12345g", "#rrggbb"},
+        {"render a.obj --aov depth,gloss", "object_id"},
+        {"render a.obj --aov ,", "--aov"},
+        {"render a.obj --bits 12", "8, 16"},
+        {"render a.obj --eye 1,2", "--eye"},
+        {"render a.obj --eye 1,2,nan", "--eye: '1,2,nan' is refused"},
+        {"render a.obj --at 1,2,inf", "--at"},
+        {"render a.obj --up 0,0,0", "--up"},
+        {"render a.obj --up +W", "--up"},
+        {"render a.obj --fov 180", "--fov"},
+        {"render a.obj --near 0", "--near"},
+        {"render a.obj --view behind", "--view"},
+        {"render a.obj --view 0,91", "--view"},
+        {"render a.obj --turntable 0", "--turntable"},
+        {"render a.obj --threads x", "--threads"},
+        {"render a.obj --memory 12", "--memory"},
+        {"render a.obj --memory 1T", "--memory"},
+        {"render a.obj --memory 99999999999G", "--memory"},
+        {"render a.obj --watchdog 0", "--watchdog"},
+        {"render a.obj --crease 200", "--crease"},
+        {"render a.obj --fail-blank=101%", "--fail-blank"},
+        {"render a.obj --progress loud", "auto, bar, plain, json, none"},
+        {"render a.obj --strict=yes", "--strict takes no value"},
+        {"render a.obj -q -v", "exclude each other"},
+        {"render a.obj --view front --eye 0,0,1", "exclude each other"},
+        {"render a.obj --turntable 3 --view front --view iso", "--view once"},
+        {"render a.obj -o - --json", "standard output"},
+        {"info a.obj --size 3x3", "--size is not a flag of `plumb info`"},
+        {"devices --threads 1", "--threads is not a flag of `plumb devices`"},
+        {"help --completion tcsh", "bash, zsh, fish"},
+    };
+    for (const auto& row : rows) {
+        try {
+            parse(row.line);
+            ADD_FAILURE() << "accepted: " << row.line;
+        } catch (const Error& e) {
+            EXPECT_EQ(e.exit(), Exit::usage) << row.line;
+            EXPECT_NE(std::string(e.what()).find(row.says), std::string::npos) << row.line << "\n  says: " << e.what();
+            EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << "one line";
+        }
+    }
+}
+
+TEST(Options, PrintNoControlCharacters) {
+    try {
+        parseOptions({"render", "a.obj", "--shading", "\x1b[31m"});
+        FAIL();
+    } catch (const Error& e) {
+        EXPECT_EQ(std::string(e.what()).find('\x1b'), std::string::npos) << e.what();
+    }
+}
+
+TEST(Help, NamesEveryFlagAndThreeExamples) {
+    for (const CommandRow& row : commands()) {
+        const std::string text = helpText(row.bit), list = text.substr(text.find("\nflags:"), text.find("\nexamples:") - text.find("\nflags:"));
+        for (const Flag& flag : flags()) {
+            const size_t at = list.find(flag.longName() + (flag.optionalValue() ? "[" : flag.isSwitch() ? " " : fmt::format(" {}", flag.argument)));
+            const bool listed = at != std::string::npos;
+            EXPECT_EQ(listed, (flag.commands & row.bit) != 0 && !flag.hidden) << row.name << " " << flag.longName();
+        }
+        for (const auto& [line, what] : row.examples) {
+            EXPECT_NE(text.find(line), std::string::npos);
+            EXPECT_NE(what[0], '\0');
+        }
+    }
+}
+
+TEST(Help, HasExamplesThatParse) {
+    for (const CommandRow& row : commands())
+        for (const auto& [line, what] : row.examples) {
+            std::string text = line;
+            text = text.substr(0, text.find(" |"));
+            text = text.substr(0, text.find(" >"));
+            EXPECT_NO_THROW(parse(text.substr(text.find(' ') + 1))) << line;
+        }
+}
+
+TEST(ManPageAndCompletions, NameEveryFlag) {
+    const std::string man = manPage();
+    for (const Flag& flag : flags()) {
+        if (flag.hidden) continue;
+        std::string escaped;
+        for (const char c : flag.longName()) escaped += c == '-' ? std::string("\\-") : std::string(1, c);
+        EXPECT_NE(man.find(escaped), std::string::npos) << flag.longName();
+        EXPECT_NE(completionScript("bash").find(flag.longName()), std::string::npos) << flag.longName();
+        EXPECT_NE(completionScript("zsh").find(flag.longName()), std::string::npos) << flag.longName();
+        EXPECT_NE(completionScript("fish").find("-l " + flag.longName().substr(2)), std::string::npos) << flag.longName();
+    }
+}
+
+TEST(Progress, TellsTheTimeLeft) {
+    EXPECT_EQ(Progress::timeLeft(0, 10), "");
+    EXPECT_EQ(Progress::timeLeft(0.5, 0.1), "") << "too early to say";
+    EXPECT_EQ(Progress::timeLeft(0.5, 62), "1:02 left");
+    EXPECT_EQ(Progress::timeLeft(0.1, 1000), "2:30:00 left");
+}
+
+TEST(Progress, WritesJsonLinesAndNothingWhenQuiet) {
+    const auto shown = [](ProgressMode mode, bool quiet) {
+        char* data = nullptr;
+        size_t size = 0;
+        std::FILE* stream = ::open_memstream(&data, &size);
+        {
+            Progress progress(mode, quiet, stream);
+            progress.begin("render 1/2");
+            progress.update(1);
+        }
+        std::fclose(stream);
+        std::string text(data, size);
+        std::free(data);
+        return text;
+    };
+    EXPECT_EQ(shown(ProgressMode::json, false).substr(0, 40), "{\"progress\":0.0000,\"task\":\"render 1/2\",\"");
+    EXPECT_EQ(shown(ProgressMode::plain, false), "render 1/2: 0 %\nrender 1/2: 100 %\n");
+    EXPECT_EQ(shown(ProgressMode::plain, true), "");
+    EXPECT_EQ(shown(ProgressMode::none, false), "");
+}
+
+}  // namespace
+}  // namespace plumb
