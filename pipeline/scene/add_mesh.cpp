@@ -3,13 +3,35 @@
 
 #include "host/error.h"
 
+#include <algorithm>
+#include <fmt/format.h>
 #include <unordered_map>
 
 namespace plumb {
 
+// Smaller meshes would be lost among what the transform snaps to zero (accuracy.md C.1, row 1).
+static constexpr float kLeastExtent = 0x1p-100f;
+
+uint32_t addFinished(Scene& scene, TriangleMesh mesh, const std::string& place) {
+    const glm::vec3 size = mesh.boundsMax - mesh.boundsMin;
+    const float extent = std::max({size.x, size.y, size.z});
+    if (extent > 0 && extent < kLeastExtent)
+        throw inputError(place, fmt::format("the mesh is {:g} across; the smallest that is drawn is {:g}", extent, kLeastExtent));
+    const std::pair<uint32_t, const char*> repairs[] = {
+        {mesh.degenerateFaces, "faces have no area"},
+        {mesh.repairedNormals, "corner normals are zero or opposite to their face: the face's is used"},
+        {mesh.flushedDenormals, "denormal numbers are set to 0"},
+        {mesh.selfCrossingFaces, "faces cross themselves: they are cut as fans"},
+    };
+    for (const auto& [count, what] : repairs)
+        if (count > 0) scene.warnings.push_back(fmt::format("{}: {} {}", place, count, what));
+    scene.meshes.push_back(std::move(mesh));
+    return uint32_t(scene.meshes.size() - 1);
+}
+
 // finishMesh appends the materials of a mesh to those it is given. The scene has these already, so it is given a list
 // of its own, `used`, and the scene's numbers are put back afterwards.
-uint32_t addMesh(Scene& scene, PolygonMesh mesh, const LoadOptions& options) {
+uint32_t addMesh(Scene& scene, PolygonMesh mesh, const std::string& place, const LoadOptions& options) {
     PLUMB_ASSERT(mesh.materials.empty());
     std::vector<uint32_t> used;
     std::unordered_map<uint32_t, uint32_t> localOf;
@@ -24,12 +46,11 @@ uint32_t addMesh(Scene& scene, PolygonMesh mesh, const LoadOptions& options) {
         material = found->second;
     }
     std::vector<Material> numbered;
-    TriangleMesh finished = finishMesh(mesh, numbered, 0, options);
+    TriangleMesh finished = finishMesh(mesh, numbered, kNone, options);
     PLUMB_ASSERT(numbered.size() == used.size());
     for (uint32_t& material : finished.vertexMaterial) material = used.at(material);
     for (uint32_t& material : finished.faceMaterial) material = used.at(material);
-    scene.meshes.push_back(std::move(finished));
-    return uint32_t(scene.meshes.size() - 1);
+    return addFinished(scene, std::move(finished), place);
 }
 
 }  // namespace plumb

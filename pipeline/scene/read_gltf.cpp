@@ -557,7 +557,8 @@ void GltfFile::readMaterials() {
             unlit = extensions->find("KHR_materials_unlit").has_value();
             if (const auto ior = extensions->find("KHR_materials_ior")) {
                 material.refractiveIndex = 1.5f;
-                if (const auto index = ior->find("ior")) material.refractiveIndex = float(index->number(0, 100));
+                // 0 stands for infinity in the extension; no ray of ours is refracted by it.
+                if (const auto index = ior->find("ior")) material.refractiveIndex = float(std::max(1.0, index->number(0, 100)));
             }
             if (const auto strength = extensions->find("KHR_materials_emissive_strength"))
                 if (const auto factor = strength->find("emissiveStrength")) emissiveStrength = factor->number(0, kMaxCoordinate);
@@ -683,7 +684,7 @@ uint32_t GltfFile::mesh(const Value& index) {
     Welder positions(mesh.positions), normals(mesh.normals);
     meshes_[i].required("primitives");
     for (const Value& primitive : meshes_[i].list("primitives")) readPrimitive(primitive, mesh, positions, normals);
-    meshInScene_[i] = mesh.faceMaterial.empty() ? kNone : addMesh(scene_, std::move(mesh), options_);
+    meshInScene_[i] = mesh.faceMaterial.empty() ? kNone : addMesh(scene_, std::move(mesh), meshes_[i].place(), options_);
     return *meshInScene_[i];
 }
 

@@ -27,17 +27,35 @@ constexpr uint32_t kMaxImageSide = 65536;
 
 struct SinCos { double sine, cosine; };
 
-// Exact at multiples of 90 degrees; elsewhere the argument of the library's sine is at most 45 degrees.
+// Exact at multiples of 90 degrees. Taylor's series on at most 45 degrees, where the first term left out is below
+// 2^-63 of the sum: only + - * /, so that a scene has the same bits with every C library.
 SinCos sinCosDegrees(double degrees) {
     int quadrant = 0;
-    const double rest = std::remquo(degrees, 90.0, &quadrant) * (3.14159265358979323846 / 180);
-    const double s = std::sin(rest), c = std::cos(rest);
+    const double x = std::remquo(degrees, 90.0, &quadrant) * (3.14159265358979323846 / 180);
+    const double xx = x * x;
+    double sineTail = 0, cosineTail = 0;
+    for (int n = 18; n >= 2; n -= 2) {
+        cosineTail = (1 - cosineTail) * xx / (n * (n - 1));
+        sineTail = (1 - sineTail) * xx / (n * (n + 1));
+    }
+    const double s = x - x * sineTail, c = 1 - cosineTail;
     switch (unsigned(quadrant) & 3u) {
         case 0: return {s, c};
         case 1: return {c, -s};
         case 2: return {-s, -c};
         default: return {-c, s};
     }
+}
+
+// An 8-bit sRGB channel as linear light (IEC 61966-2-1): v^2.4 = v^2 (v^(1/5))^2, the root by Newton, again with
+// + - * / alone. From 1 the iteration falls monotonically to the root, 0.6 or more, in fewer than 32 steps.
+float linearOfSrgb(int level) {
+    const double encoded = level / 255.0;
+    if (encoded <= 0.04045) return float(encoded / 12.92);
+    const double v = (encoded + 0.055) / 1.055;
+    double root = 1;
+    for (int i = 0; i < 32; ++i) root = (4 * root + v / (root * root * root * root)) / 5;
+    return float(v * v * root * root);
 }
 
 dmat4 fromRows(const double (&rows)[16]) {
@@ -193,7 +211,8 @@ private:
     std::filesystem::path path_;
     LoadOptions options_;
     Scene scene_;
-    std::map<std::string, uint32_t, std::less<>> materials_;
+    std::map<std::string, uint32_t, std::less<>> materials_;  // "default" is material 0; a file may restate it once
+    bool defaultStated_ = false;
     std::map<std::string, Mesh, std::less<>> meshes_;
     std::vector<std::string> meshNames_;   // in file order
     std::map<std::pair<std::string, double>, uint32_t> meshFiles_;  // (file, crease): read once
@@ -339,8 +358,7 @@ glm::vec3 SceneFile::colourOf(const toml::node& node, const std::string& field, 
             refuse(node, fmt::format("{} is '{}', not a number, [r, g, b] or \"#rrggbb\"", field, printable(word, 40)));
         glm::vec3 colour;
         for (int i = 0; i < 3; ++i) {
-            const double v = (digit(word[size_t(2 * i + 1)]) * 16 + digit(word[size_t(2 * i + 2)])) / 255.0;
-            colour[i] = float(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));  // IEC 61966-2-1
+            colour[i] = linearOfSrgb(digit(word[size_t(2 * i + 1)]) * 16 + digit(word[size_t(2 * i + 2)]));
         }
         return colour;
     }
@@ -444,7 +462,8 @@ void SceneFile::readMaterial(const toml::table& table) {
     const toml::node& nameNode = required(table, "name", "material");
     Material material;
     material.name = stringOf(nameNode, "material.name");
-    if (materials_.contains(material.name))
+    const bool restatesDefault = material.name == "default" && !defaultStated_;
+    if (materials_.contains(material.name) && !restatesDefault)
         refuse(nameNode, fmt::format("material.name '{}' is taken", printable(material.name, 64)));
     const auto colour = [&](const char* key, glm::vec3& into) {
         if (const auto* node = table.get(key)) into = colourOf(*node, std::string("material.") + key, 1);
@@ -458,6 +477,11 @@ void SceneFile::readMaterial(const toml::table& table) {
     if (const auto* node = table.get("opacity")) material.opacity = float(numberOf(*node, "material.opacity", 0, 1));
     if (const auto* node = table.get("ior"))
         material.refractiveIndex = float(numberOf(*node, "material.ior", 0.01, 100));
+    if (restatesDefault) {
+        scene_.materials[0] = material;
+        defaultStated_ = true;
+        return;
+    }
     materials_[material.name] = uint32_t(scene_.materials.size());
     scene_.materials.push_back(material);
 }
@@ -565,7 +589,7 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
     } else {
         mesh.faceMaterial.assign(faces.size(), materialNode ? materialNamed(*materialNode, "mesh.material") : 0);
     }
-    return addMesh(scene_, std::move(mesh), options);
+    return addMesh(scene_, std::move(mesh), place(table), options);
 }
 
 dmat4 SceneFile::readTransform(const toml::table& table, const std::string& field) const {
@@ -756,6 +780,7 @@ Scene SceneFile::read() {
                                   "camera", "material", "light", "mesh", "object"});
     scene_.path = path_.string();
     scene_.materials.push_back(Material{});
+    materials_["default"] = 0;
     readSettings(root);
     if (const auto* node = root.get("camera")) readCamera(tableOf(*node, "camera"));
     eachTable(root, "material", "material", [&](const toml::table& table) { readMaterial(table); });
