@@ -42,6 +42,6 @@ Camera frameCamera(const Scene&, double aspect, const std::string& view);
 std::vector<Light> defaultLights(const Scene&, const Camera&);  // headlight key + fill, directional
 // Fills what is missing: camera (framed for `size`), lights when the file states none and is a bare mesh, near.
 void completeScene(Scene&, glm::uvec2 size, const std::string& view, bool bareMesh);
-bool isBareMesh(const std::filesystem::path&);   // by extension
+bool isBareMesh(const std::filesystem::path&);   // by extension; glTF too, which may state neither camera nor light
 
 }  // namespace plumb

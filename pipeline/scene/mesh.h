@@ -56,6 +56,7 @@ struct TriangleMesh {
     uint32_t degenerateFaces = 0;            // zero area
     uint32_t repairedNormals = 0;            // zero or opposite vertex normals replaced by the face normal
     uint32_t flushedDenormals = 0;           // |x| < 2^-126 set to +0
+    uint32_t selfCrossingFaces = 0;          // no ear was left: the rest was cut as a fan
     glm::vec3 boundsMin{0}, boundsMax{0};
 };
 

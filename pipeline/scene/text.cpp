@@ -136,7 +136,9 @@ float finiteFloat(double value, const std::string& place, std::string_view field
     if (std::isnan(value)) throw inputError(place, fmt::format("{} is NaN", field));
     if (std::isinf(value)) throw inputError(place, fmt::format("{} is infinite", field));
     if (std::abs(value) > limit) throw inputError(place, fmt::format("{} is {}; the largest magnitude is {}", field, value, limit));
-    return float(value);
+    // A number that float32 cannot hold becomes its smallest denormal, so that finishMesh counts it.
+    const float rounded = float(value);
+    return rounded == 0 && value != 0 ? std::copysign(std::numeric_limits<float>::denorm_min(), float(value)) : rounded;
 }
 
 bool parseFloat(std::string_view word, float& value) {

@@ -1,0 +1,551 @@
+// SPDX-License-Identifier: MIT
+// Polygons become triangles with normals. All arithmetic is binary64 + - * / and square root, which IEEE 754 rounds
+// correctly everywhere; no function of the C library decides a bit, so a file gives the same mesh on every machine.
+//
+// Order is the file's: vertices and edges by first use, triangles by face. Nothing depends on a hash's order.
+#include "pipeline/scene/load.h"
+#include "pipeline/scene/text.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace plumb {
+namespace {
+
+// Ear clipping takes time corners * reflex corners; at this size half a second in the worst case.
+constexpr uint32_t kMaxConcaveCorners = 8192;
+
+// A face is of zero area when its Newell sum is below what binary64 rounding leaves of collinear float32 corners:
+// each of n cross products has an error of at most 4 * 2^-53 * L^2, L the longest distance from the first corner.
+constexpr double kZeroAreaPerCorner = 0x1p-51;
+
+// A mean normal whose condition number sum |w| / |sum w n| is above this has lost 10 bits; accuracy.md B.7.
+constexpr double kMaxNormalCondition = 1024;
+
+// A file's normal this far from its face (cosine) is opposite: the face would be lit from behind. Means over a smooth
+// neighbourhood stay within 90 degrees; 120 leaves room for faces that are coarser than the surface they stand for.
+constexpr double kOppositeCosine = -0.5;
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr uint32_t kFree = kNone;
+
+uint64_t mixBits(uint64_t x) {   // the finalizer of MurmurHash3 (Appleby, public domain)
+    x ^= x >> 33;
+    x *= 0xff51afd7ed558ccdull;
+    x ^= x >> 33;
+    x *= 0xc4ceb9fe1a85ec53ull;
+    return x ^ x >> 33;
+}
+
+// Open addressing over indices of things that live elsewhere; grows, never forgets.
+class IndexTable {
+public:
+    explicit IndexTable(size_t expected) : slots_(std::bit_ceil(std::max<size_t>(16, expected * 2)), kFree) {}
+
+    // The index that `same` accepts, else `fresh`, which is then in the table.
+    template <class Same, class HashOf>
+    uint32_t findOrAdd(uint64_t hash, uint32_t fresh, Same same, HashOf hashOf) {
+        if ((used_ + 1) * 2 > slots_.size()) grow(hashOf);
+        for (size_t at = hash & (slots_.size() - 1);; at = (at + 1) & (slots_.size() - 1)) {
+            if (slots_[at] == kFree) {
+                slots_[at] = fresh;
+                ++used_;
+                return fresh;
+            }
+            if (same(slots_[at])) return slots_[at];
+        }
+    }
+
+private:
+    template <class HashOf>
+    void grow(HashOf hashOf) {
+        std::vector<uint32_t> old(slots_.size() * 2, kFree);
+        old.swap(slots_);
+        for (uint32_t index : old) {
+            if (index == kFree) continue;
+            size_t at = hashOf(index) & (slots_.size() - 1);
+            while (slots_[at] != kFree) at = (at + 1) & (slots_.size() - 1);
+            slots_[at] = index;
+        }
+    }
+
+    std::vector<uint32_t> slots_;
+    size_t used_ = 0;
+};
+
+std::array<uint32_t, 3> bitsOf(const glm::vec3& v) {
+    return {std::bit_cast<uint32_t>(v.x), std::bit_cast<uint32_t>(v.y), std::bit_cast<uint32_t>(v.z)};
+}
+
+float flushed(float x, uint32_t& count) {
+    if (x == 0 || std::abs(x) >= std::numeric_limits<float>::min()) return x == 0 ? 0.0f : x;   // -0 becomes +0
+    ++count;
+    return 0.0f;
+}
+
+glm::vec3 flushed(const glm::vec3& v, uint32_t& count) {
+    return {flushed(v.x, count), flushed(v.y, count), flushed(v.z, count)};
+}
+
+double lengthOf(const glm::dvec3& v) { return std::sqrt((v.x * v.x + v.y * v.y) + v.z * v.z); }
+double dotOf(const glm::dvec3& a, const glm::dvec3& b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
+
+// arccos to 2e-8 (Abramowitz and Stegun 4.4.46). A weight needs no more, and acos differs between C libraries.
+double angleOf(double cosine) {
+    const double x = std::min(std::abs(cosine), 1.0);
+    constexpr double a[] = {1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046,
+                            0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911};
+    double sum = a[7];
+    for (int i = 6; i >= 0; --i) sum = sum * x + a[i];
+    const double angle = std::sqrt(1.0 - x) * sum;
+    return cosine < 0 ? kPi - angle : angle;
+}
+
+// Triangulates one face in its own plane, seen so that it is counter-clockwise.
+class FaceCutter {
+public:
+    struct Point {
+        double x, y;
+        bool operator==(const Point&) const = default;
+    };
+    using Cut = std::array<uint32_t, 3>;   // corners of the face, from 0
+
+    std::vector<Point> points;             // in: the corners, projected
+    std::vector<Cut> cuts;                 // out: points.size() - 2 of them
+
+    enum class Outcome { done, selfCrossing, tooLarge };
+    Outcome run() {
+        const uint32_t n = uint32_t(points.size());
+        cuts.clear();
+        bool anyRight = false, anyStraight = false;
+        for (uint32_t i = 0; i < n; ++i) {
+            const double turn = turnOf(points[i ? i - 1 : n - 1], points[i], points[i + 1 < n ? i + 1 : 0]);
+            anyRight |= turn < 0;
+            anyStraight |= turn == 0;
+        }
+        if (!anyRight && !anyStraight) {
+            fan(n);
+            return turnsOnce() ? Outcome::done : Outcome::selfCrossing;
+        }
+        // A straight corner wants more care than a fan: cut off as a triangle without area it would leave the
+        // neighbour that also has it with a T-junction, through which the background could be seen.
+        if (n <= kMaxConcaveCorners) return clipEars(n);
+        if (anyRight || !turnsOnce()) return Outcome::tooLarge;
+        fan(n);
+        return Outcome::done;
+    }
+
+    void fan(uint32_t n) {
+        for (uint32_t i = 1; i + 1 < n; ++i) cuts.push_back({0, i, i + 1});
+    }
+
+private:
+    // Twice the signed area of (a, b, c): positive for a turn to the left at b.
+    static double turnOf(const Point& a, const Point& b, const Point& c) {
+        return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    }
+
+    // A convex outline changes its direction in x twice, and in y twice; a star with left turns only does so more often.
+    bool turnsOnce() const {
+        const auto changes = [&](auto coordinate) {
+            int count = 0, first = 0, last = 0;
+            for (size_t i = 0; i < points.size(); ++i) {
+                const double step = coordinate(points[i + 1 < points.size() ? i + 1 : 0]) - coordinate(points[i]);
+                const int sign = (step > 0) - (step < 0);
+                if (sign == 0) continue;
+                if (!first) first = sign;
+                count += last && sign != last;
+                last = sign;
+            }
+            return count + (first != last);
+        };
+        return changes([](const Point& p) { return p.x; }) <= 2 && changes([](const Point& p) { return p.y; }) <= 2;
+    }
+
+    double turnAt(uint32_t i) const { return turnOf(points[before_[i]], points[i], points[after_[i]]); }
+
+    // An ear is a strict left turn whose triangle, border included, holds no corner that is not a strict left turn;
+    // corners that coincide with the triangle's own (the bridge of a face with a hole) do not count.
+    bool isEar(uint32_t i) const {
+        const Point &a = points[before_[i]], &b = points[i], &c = points[after_[i]];
+        if (!(turnOf(a, b, c) > 0)) return false;
+        for (uint32_t r : reflex_) {
+            const Point& p = points[r];
+            if (gone_[r] || p == a || p == b || p == c) continue;
+            if (turnOf(a, b, p) >= 0 && turnOf(b, c, p) >= 0 && turnOf(c, a, p) >= 0) return false;
+        }
+        return true;
+    }
+
+    void cutOff(uint32_t i) {
+        cuts.push_back({before_[i], i, after_[i]});
+        after_[before_[i]] = after_[i];
+        before_[after_[i]] = before_[i];
+        gone_[i] = true;
+    }
+
+    // Only the two neighbours of a cut corner can become ears or stop being reflex (O'Rourke, Computational Geometry
+    // in C, 1.4); in degenerate outlines others can too, so all are asked again before giving up, a few times.
+    Outcome clipEars(uint32_t n) {
+        before_.resize(n);
+        after_.resize(n);
+        gone_.assign(n, false);
+        ear_.resize(n);
+        for (uint32_t i = 0; i < n; ++i) before_[i] = i ? i - 1 : n - 1, after_[i] = i + 1 < n ? i + 1 : 0;
+        const auto collectReflex = [&] {
+            reflex_.clear();
+            for (uint32_t i = 0; i < n; ++i)
+                if (!gone_[i] && !(turnAt(i) > 0)) reflex_.push_back(i);
+        };
+        const auto askAll = [&] {
+            collectReflex();
+            bool any = false;
+            for (uint32_t i = 0; i < n; ++i) any |= ear_[i] = !gone_[i] && isEar(i);
+            return any;
+        };
+        askAll();
+        uint32_t left = n, at = 0, sinceCut = 0, asked = 0;
+        while (left > 3) {
+            if (ear_[at]) {
+                const uint32_t a = before_[at], c = after_[at];
+                cutOff(at);
+                ear_[at] = false;
+                --left;
+                if (left % 64 == 0) collectReflex();
+                ear_[a] = isEar(a);
+                ear_[c] = isEar(c);
+                at = c;   // not the corner just before, so that fans stay narrow
+                sinceCut = 0;
+                continue;
+            }
+            at = after_[at];
+            if (++sinceCut <= left) continue;
+            sinceCut = 0;
+            if (++asked > 16) return fallBack(at, left);
+            if (askAll()) continue;
+            // No ear: cut a corner without area (a spike, or points in a line), else the outline crosses itself.
+            uint32_t straight = at;
+            for (uint32_t k = 0; k < left && turnAt(straight) != 0; ++k) straight = after_[straight];
+            if (turnAt(straight) != 0) return fallBack(at, left);
+            at = after_[straight];
+            cutOff(straight);
+            --left;
+            ear_[straight] = false;
+            askAll();
+        }
+        const bool folded = turnAt(at) < 0;
+        cutOff(at);
+        return folded ? Outcome::selfCrossing : Outcome::done;
+    }
+
+    Outcome fallBack(uint32_t at, uint32_t left) {
+        // All that is left in one line has no area and crosses nothing.
+        bool straight = true;
+        for (uint32_t k = 0, i = at; k < left; ++k, i = after_[i]) straight &= turnAt(i) == 0;
+        for (uint32_t i = after_[at]; left > 2; --left) {
+            const uint32_t following = after_[i];
+            cuts.push_back({at, i, following});
+            i = following;
+        }
+        return straight ? Outcome::done : Outcome::selfCrossing;
+    }
+
+    std::vector<uint32_t> before_, after_, reflex_;
+    std::vector<char> gone_, ear_;
+};
+
+class Finisher {
+public:
+    Finisher(const PolygonMesh& in, std::vector<Material>& materials, uint32_t fallback, const LoadOptions& options)
+        : in_(in), materials_(materials), fallback_(fallback), crease_(options.creaseDegrees * (kPi / 180)) {}
+
+    TriangleMesh run() {
+        PLUMB_ASSERT(in_.faceFirst.size() == in_.faceMaterial.size() + 1 || in_.faceMaterial.empty());
+        faces_ = in_.faceFirst.empty() ? 0 : in_.faceFirst.size() - 1;
+        out_.name = in_.name;
+        weldPositions();
+        takeNormals();
+        takeMaterials();
+        measureFaces();
+        findEdges();
+        buildMissingNormals();
+        makeVertices();
+        cutFaces();
+        if (!out_.positions.empty()) {
+            out_.boundsMin = out_.boundsMax = out_.positions[0];
+            for (const glm::vec3& p : out_.positions) {
+                out_.boundsMin = glm::min(out_.boundsMin, p);
+                out_.boundsMax = glm::max(out_.boundsMax, p);
+            }
+        }
+        return std::move(out_);
+    }
+
+private:
+    uint32_t next(size_t face, uint32_t corner) const {
+        return corner + 1 < in_.faceFirst[face + 1] ? corner + 1 : in_.faceFirst[face];
+    }
+    uint32_t previous(size_t face, uint32_t corner) const {
+        return corner > in_.faceFirst[face] ? corner - 1 : in_.faceFirst[face + 1] - 1;
+    }
+    uint32_t place(uint32_t corner) const { return welded_[in_.corners[corner].position]; }
+    glm::dvec3 at(uint32_t corner) const { return glm::dvec3(positions_[in_.corners[corner].position]); }
+
+    // Positions with the same bits are one place: STL repeats them for each triangle.
+    void weldPositions() {
+        positions_.reserve(in_.positions.size());
+        for (const glm::vec3& p : in_.positions) positions_.push_back(flushed(p, out_.flushedDenormals));
+        welded_.resize(positions_.size());
+        IndexTable table(positions_.size());
+        const auto hashOf = [&](uint32_t i) {
+            const auto b = bitsOf(positions_[i]);
+            return mixBits((uint64_t(b[0]) << 32 | b[1]) ^ mixBits(b[2]));
+        };
+        for (uint32_t i = 0; i < positions_.size(); ++i)
+            welded_[i] = table.findOrAdd(hashOf(i), i, [&](uint32_t j) { return positions_[i] == positions_[j]; }, hashOf);
+    }
+
+    void takeNormals() {
+        normals_.reserve(in_.normals.size());
+        for (const glm::vec3& n : in_.normals) {
+            const glm::dvec3 clean(flushed(n, out_.flushedDenormals));
+            const double length = lengthOf(clean);
+            normals_.push_back(length > 0 ? clean / length : clean);
+        }
+    }
+
+    void takeMaterials() {
+        firstMaterial_ = uint32_t(materials_.size());
+        for (Material material : in_.materials) {
+            for (glm::vec3* colour : {&material.ambient, &material.diffuse, &material.specular, &material.emission})
+                *colour = flushed(*colour, out_.flushedDenormals);
+            material.shininess = flushed(material.shininess, out_.flushedDenormals);
+            materials_.push_back(material);
+        }
+    }
+
+    uint32_t materialOf(size_t face) const {
+        const uint32_t material = in_.faceMaterial.empty() ? kNone : in_.faceMaterial[face];
+        return material == kNone ? fallback_ : firstMaterial_ + material;
+    }
+
+    void measureFaces() {
+        faceNormal_.resize(faces_);
+        out_.faceCentre.reserve(faces_);
+        out_.faceNormal.reserve(faces_);
+        out_.faceMaterial.reserve(faces_);
+        for (size_t f = 0; f < faces_; ++f) {
+            const uint32_t first = in_.faceFirst[f], end = in_.faceFirst[f + 1];
+            // Newell's normal, about the first corner: differences of float32 are exact or nearly so in binary64.
+            const glm::dvec3 origin = at(first);
+            glm::dvec3 sum(0), offset(0), a(0);
+            double longest = 0;
+            for (uint32_t c = first + 1; c < end; ++c) {
+                const glm::dvec3 b = at(c) - origin;
+                sum += glm::dvec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+                offset += b;
+                longest = std::max(longest, dotOf(b, b));
+                a = b;
+            }
+            const double length = lengthOf(sum);
+            const bool flat = length <= kZeroAreaPerCorner * double(end - first) * longest;
+            faceNormal_[f] = flat ? glm::dvec3(0) : sum / length;
+            out_.degenerateFaces += flat;
+            out_.faceNormal.push_back(flat ? glm::vec3(0, 0, 1) : glm::vec3(faceNormal_[f]));
+            out_.faceCentre.push_back(glm::vec3(origin + offset / double(end - first)));
+            out_.faceMaterial.push_back(materialOf(f));
+        }
+    }
+
+    struct Edge {
+        uint32_t from, to;                      // places, as the first face has them
+        uint32_t corner;                        // of the first face, at `from`
+        uint32_t smooth[2] = {kNone, kNone};    // corners where the faces with an area begin this edge
+        uint32_t smoothFace[2] = {kNone, kNone};
+        uint32_t count = 0;                     // of faces with an area
+    };
+
+    void findEdges() {
+        IndexTable table(in_.corners.size() / 2);
+        const auto hash = [](uint32_t a, uint32_t b) { return mixBits(uint64_t(std::min(a, b)) << 32 | std::max(a, b)); };
+        for (size_t f = 0; f < faces_; ++f)
+            for (uint32_t c = in_.faceFirst[f]; c < in_.faceFirst[f + 1]; ++c) {
+                const uint32_t a = place(c), b = place(next(f, c));
+                if (a == b) continue;
+                const uint32_t fresh = uint32_t(edges_.size());
+                const uint32_t e = table.findOrAdd(
+                    hash(a, b), fresh,
+                    [&](uint32_t i) { return (edges_[i].from == a && edges_[i].to == b) || (edges_[i].from == b && edges_[i].to == a); },
+                    [&](uint32_t i) { return hash(edges_[i].from, edges_[i].to); });
+                if (e == fresh) edges_.push_back({a, b, c});
+                // A face without area has no side; the faces beside it meet each other.
+                if (faceNormal_[f] == glm::dvec3(0)) continue;
+                Edge& edge = edges_[e];
+                if (edge.count < 2) edge.smooth[edge.count] = c, edge.smoothFace[edge.count] = uint32_t(f);
+                ++edge.count;
+            }
+    }
+
+    // Smooth across: exactly two faces that agree on which side is out, and either the same smoothing group of the
+    // file, or (where a group is not stated) an angle below the crease angle.
+    bool isSmooth(const Edge& edge) const {
+        if (edge.count != 2 || place(edge.smooth[0]) == place(edge.smooth[1])) return false;
+        const uint32_t f = edge.smoothFace[0], g = edge.smoothFace[1];
+        if (!in_.faceSmoothing.empty()) {
+            const uint32_t a = in_.faceSmoothing[f], b = in_.faceSmoothing[g];
+            if (a == 0 || b == 0) return false;
+            if (a != kNone && b != kNone) return a == b;
+        }
+        return angleOf(dotOf(faceNormal_[f], faceNormal_[g])) < crease_;
+    }
+
+    uint32_t fanOf(uint32_t corner) {
+        while (fan_[corner] != corner) corner = fan_[corner] = fan_[fan_[corner]];
+        return corner;
+    }
+    void join(uint32_t a, uint32_t b) {
+        a = fanOf(a);
+        b = fanOf(b);
+        if (a != b) fan_[std::max(a, b)] = std::min(a, b);
+    }
+
+    // A corner's normal is the mean over the fan of faces around its place that smooth edges connect, weighted by
+    // their angles there (Thuermer and Wuethrich 1998), so that cutting a face in two changes nothing.
+    void buildMissingNormals() {
+        const bool missing = std::any_of(in_.corners.begin(), in_.corners.end(), [](const auto& c) { return c.normal == kNone; });
+        if (!missing) return;
+        fan_.resize(in_.corners.size());
+        for (uint32_t c = 0; c < fan_.size(); ++c) fan_[c] = c;
+        for (const Edge& edge : edges_) {
+            if (!isSmooth(edge)) continue;
+            join(edge.smooth[0], next(edge.smoothFace[1], edge.smooth[1]));
+            join(edge.smooth[1], next(edge.smoothFace[0], edge.smooth[0]));
+        }
+        fanSum_.assign(in_.corners.size(), glm::dvec4(0));
+        for (size_t f = 0; f < faces_; ++f)
+            for (uint32_t c = in_.faceFirst[f]; c < in_.faceFirst[f + 1]; ++c) {
+                const glm::dvec3 toNext = at(next(f, c)) - at(c), toPrevious = at(previous(f, c)) - at(c);
+                const double lengths = lengthOf(toNext) * lengthOf(toPrevious);
+                const double weight = lengths > 0 ? angleOf(dotOf(toNext, toPrevious) / lengths) : 0;
+                if (faceNormal_[f] != glm::dvec3(0)) fanSum_[fanOf(c)] += glm::dvec4(faceNormal_[f] * weight, weight);
+            }
+    }
+
+    glm::vec3 normalOf(size_t face, uint32_t corner) {
+        const uint32_t given = in_.corners[corner].normal;
+        const bool flat = faceNormal_[face] == glm::dvec3(0);
+        if (given != kNone) {
+            const glm::dvec3& n = normals_[given];
+            if (n != glm::dvec3(0) && (flat || dotOf(n, faceNormal_[face]) > kOppositeCosine)) return clean(n);
+        } else {
+            if (!in_.faceSmoothing.empty() && in_.faceSmoothing[face] == 0) return out_.faceNormal[face];
+            const glm::dvec4& sum = fanSum_[fanOf(corner)];
+            const double length = lengthOf(glm::dvec3(sum));
+            if (length > 0 && sum.w <= kMaxNormalCondition * length) return clean(glm::dvec3(sum) / length);
+            if (flat) return out_.faceNormal[face];   // counted as a face without area
+        }
+        ++out_.repairedNormals;
+        return out_.faceNormal[face];
+    }
+
+    // A unit vector in float32 without denormals and without -0 (vertices are compared by bits).
+    static glm::vec3 clean(const glm::dvec3& n) {
+        uint32_t notCounted = 0;
+        return flushed(glm::vec3(n), notCounted);
+    }
+
+    void makeVertices() {
+        vertexOf_.resize(in_.corners.size());
+        std::vector<uint32_t> placeOfVertex;
+        IndexTable table(positions_.size());
+        const auto hash = [](uint32_t place, const glm::vec3& normal, uint32_t material) {
+            const auto b = bitsOf(normal);
+            return mixBits((uint64_t(place) << 32 | b[0]) ^ mixBits((uint64_t(b[1]) << 32 | b[2]) + material));
+        };
+        for (size_t f = 0; f < faces_; ++f) {
+            const uint32_t material = out_.faceMaterial[f];
+            for (uint32_t c = in_.faceFirst[f]; c < in_.faceFirst[f + 1]; ++c) {
+                const uint32_t where = place(c);
+                const glm::vec3 normal = normalOf(f, c);
+                const uint32_t fresh = uint32_t(out_.positions.size());
+                const uint32_t v = table.findOrAdd(
+                    hash(where, normal, material), fresh,
+                    [&](uint32_t i) { return placeOfVertex[i] == where && out_.vertexMaterial[i] == material && out_.normals[i] == normal; },
+                    [&](uint32_t i) { return hash(placeOfVertex[i], out_.normals[i], out_.vertexMaterial[i]); });
+                if (v == fresh) {
+                    placeOfVertex.push_back(where);
+                    out_.positions.push_back(positions_[where]);
+                    out_.normals.push_back(normal);
+                    out_.vertexMaterial.push_back(material);
+                }
+                vertexOf_[c] = v;
+            }
+        }
+        out_.edges.reserve(edges_.size());
+        for (const Edge& edge : edges_) {
+            const size_t face = size_t(std::upper_bound(in_.faceFirst.begin(), in_.faceFirst.end(), edge.corner) - in_.faceFirst.begin()) - 1;
+            out_.edges.push_back({vertexOf_[edge.corner], vertexOf_[next(face, edge.corner)]});
+        }
+    }
+
+    void cutFaces() {
+        out_.triangles.reserve(in_.corners.size() - 2 * faces_);
+        FaceCutter cutter;
+        for (size_t f = 0; f < faces_; ++f) {
+            const uint32_t first = in_.faceFirst[f], n = in_.faceFirst[f + 1] - first;
+            const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
+                out_.triangles.push_back({{vertexOf_[first + a], vertexOf_[first + b], vertexOf_[first + c]}, uint32_t(f)});
+            };
+            if (n == 3) {
+                add(0, 1, 2);
+                continue;
+            }
+            cutter.cuts.clear();
+            const glm::dvec3 normal = faceNormal_[f];
+            if (normal == glm::dvec3(0)) {
+                cutter.fan(n);
+            } else {
+                // Dropping the coordinate in which the normal is largest keeps turns, and rounds nothing.
+                const glm::dvec3 size = glm::abs(normal);
+                const int drop = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
+                int u = (drop + 1) % 3, v = (drop + 2) % 3;
+                if (normal[drop] < 0) std::swap(u, v);
+                cutter.points.clear();
+                for (uint32_t c = first; c < first + n; ++c) cutter.points.push_back({at(c)[u], at(c)[v]});
+                const FaceCutter::Outcome outcome = cutter.run();
+                if (outcome == FaceCutter::Outcome::tooLarge)
+                    throw inputError(printable(in_.name), fmt::format("face {} is concave and has {} corners; at most {} are triangulated", f, n, kMaxConcaveCorners));
+                out_.selfCrossingFaces += outcome == FaceCutter::Outcome::selfCrossing;
+            }
+            for (const FaceCutter::Cut& cut : cutter.cuts) add(cut[0], cut[1], cut[2]);
+        }
+    }
+
+    const PolygonMesh& in_;
+    std::vector<Material>& materials_;
+    const uint32_t fallback_;
+    const double crease_;                       // radians
+    TriangleMesh out_;
+    size_t faces_ = 0;
+    std::vector<glm::vec3> positions_;          // flushed
+    std::vector<uint32_t> welded_;              // position -> the first with the same bits
+    std::vector<glm::dvec3> normals_;           // of the file: unit, or 0
+    uint32_t firstMaterial_ = 0;
+    std::vector<glm::dvec3> faceNormal_;        // unit, or 0
+    std::vector<Edge> edges_;
+    std::vector<uint32_t> fan_;                 // corner -> a corner of the same fan (union-find; the root is itself)
+    std::vector<glm::dvec4> fanSum_;            // at roots: weighted normals, and their weights
+    std::vector<uint32_t> vertexOf_;            // corner -> vertex
+};
+
+}  // namespace
+
+TriangleMesh finishMesh(const PolygonMesh& mesh, std::vector<Material>& materials, uint32_t fallback, const LoadOptions& options) {
+    return Finisher(mesh, materials, fallback, options).run();
+}
+
+}  // namespace plumb
