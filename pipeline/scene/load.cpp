@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
@@ -8,9 +9,6 @@
 
 namespace plumb {
 namespace {
-
-// Smaller meshes would be lost among what the transform snaps to zero (accuracy.md C.1, row 1).
-constexpr float kLeastExtent = 0x1p-100f;
 
 using MeshReader = PolygonMesh (*)(const std::filesystem::path&, const LoadOptions&);
 struct MeshFormat {
@@ -63,24 +61,9 @@ uint32_t addMeshFile(Scene& scene, const std::filesystem::path& path, const Load
         throw inputError(printablePath(path), polygons.ignored.front() + " would be ignored (--strict)");
     const bool bare = std::find(polygons.faceMaterial.begin(), polygons.faceMaterial.end(), kNone) != polygons.faceMaterial.end();
     TriangleMesh mesh = finishMesh(polygons, scene.materials, bare ? defaultMaterial(scene) : kNone, options);
-
-    const glm::vec3 size = mesh.boundsMax - mesh.boundsMin;
-    const float extent = std::max({size.x, size.y, size.z});
-    if (extent > 0 && extent < kLeastExtent)
-        throw inputError(printablePath(path), fmt::format("the mesh is {:g} across; the smallest that is drawn is {:g}", extent, kLeastExtent));
-
     addUnlessThere(scene.ignored, polygons.ignored);
     addUnlessThere(scene.warnings, polygons.warnings);
-    const std::pair<uint32_t, const char*> repairs[] = {
-        {mesh.degenerateFaces, "faces have no area"},
-        {mesh.repairedNormals, "corner normals are zero or opposite to their face: the face's is used"},
-        {mesh.flushedDenormals, "denormal numbers are set to 0"},
-        {mesh.selfCrossingFaces, "faces cross themselves: they are cut as fans"},
-    };
-    for (const auto& [count, what] : repairs)
-        if (count > 0) scene.warnings.push_back(fmt::format("{}: {} {}", printablePath(path), count, what));
-    scene.meshes.push_back(std::move(mesh));
-    return uint32_t(scene.meshes.size() - 1);
+    return addFinished(scene, std::move(mesh), printablePath(path));
 }
 
 bool isBareMesh(const std::filesystem::path& path) { return meshFormatOf(path) || isGltf(path); }
