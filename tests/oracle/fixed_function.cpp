@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "oracle_spirv/fixed_function_frag.h"
-#include "oracle_spirv/fixed_function_vert.h"
+#include <oracle_spirv/fixed_function_frag.h>
+#include <oracle_spirv/fixed_function_vert.h>
 
 namespace plumb::oracle {
 namespace {
