@@ -266,7 +266,8 @@ std::vector<DeviceInfo> Device::list(std::string* why) {
 
 // ---- limits for tests ----
 
-void shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memoryBudgetBytes) {
+ShrunkNative shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memoryBudgetBytes) {
+    ShrunkNative native;
     std::string_view rest = text;
     while (!rest.empty()) {
         const size_t comma = std::min(rest.find(','), rest.size());
@@ -296,9 +297,12 @@ void shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memoryBudget
         else if (name == "float64") lower(limits.float64);
         else if (name == "roundingMode") lower(limits.roundingModeRte32);
         else if (name == "memory") lower(memoryBudgetBytes);
+        else if (name == "nativeDivide") lower(native.divide);
+        else if (name == "nativeRoot") lower(native.root);
         else if (name == "timestamps" && value == 0) limits.timestampPeriodNs = 0;
         else throw deviceError(fmt::format("PLUMB_LIMITS: '{}' is not a limit that can be shrunk", item));
     }
+    return native;
 }
 
 // ---- the open device ----
@@ -384,7 +388,7 @@ std::unique_ptr<DeviceImpl> openImpl(const DeviceChoice& choice, const DeviceReq
         if (types.memoryTypes[i].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)
             heapBytes = std::max(heapBytes, uint64_t(types.memoryHeaps[types.memoryTypes[i].heapIndex].size));
     uint64_t budget = memoryBudget(heapBytes, request.memoryBudgetBytes);
-    if (const char* text = std::getenv("PLUMB_LIMITS")) shrinkLimits(text, impl->limits, budget);
+    if (const char* text = std::getenv("PLUMB_LIMITS")) impl->native = shrinkLimits(text, impl->limits, budget);
     impl->memory = std::make_shared<MemoryPool>(impl->handle, impl->vk, types, impl->limits.allocationBytes, budget);
     return impl;
 }
@@ -399,7 +403,10 @@ Device::~Device() = default;
 Device Device::open(const DeviceChoice& choice, const DeviceRequest& request) {
     Device device(openImpl(choice, request));
     try {
-        device.impl_->selfTest = runSelfTest(device);
+        SelfTest verdict = runSelfTest(device);
+        verdict.nativeDivideIsExact = verdict.nativeDivideIsExact && device.impl_->native.divide;
+        verdict.nativeRootIsExact = verdict.nativeRootIsExact && device.impl_->native.root;
+        device.impl_->selfTest = verdict;
     } catch (const Error& error) {
         throw deviceError(fmt::format("device '{}' failed its self-test: {}", device.info().name, error.what()));
     }

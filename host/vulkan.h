@@ -121,6 +121,13 @@ struct Program {
     VkPipeline pipeline = VK_NULL_HANDLE;
 };
 
+// Applies PLUMB_LIMITS; throws Error(device) on an unknown name or a value above the device's own.
+// "memory=" lowers the budget; "nativeDivide=0" and "nativeRoot=0" make the modules run the emulated forms.
+struct ShrunkNative {
+    bool divide = true, root = true;
+};
+ShrunkNative shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memoryBudgetBytes);
+
 struct DeviceImpl {
     std::shared_ptr<Instance> instance;
     VkPhysicalDevice physical = VK_NULL_HANDLE;
@@ -134,6 +141,7 @@ struct DeviceImpl {
     DeviceInfo info;
     DeviceLimits limits;
     SelfTest selfTest;
+    ShrunkNative native;
     std::shared_ptr<MemoryPool> memory;
     VkPipelineCache pipelineCache = VK_NULL_HANDLE;
     std::map<std::string, Program> programs;
@@ -149,9 +157,6 @@ struct DeviceImpl {
     Program& program(const Module& module, const Specialization& constants);
 };
 
-// Applies PLUMB_LIMITS; throws Error(device) on an unknown name or a value above the device's own.
-// `memoryBudgetBytes` is lowered by "memory=".
-void shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memoryBudgetBytes);
 // min(heap, half of MemAvailable, cgroup limits, asked); 0 asked: no wish.
 uint64_t memoryBudget(uint64_t heapBytes, uint64_t askedBytes);
 
