@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Plants the faults of tests/fault/plants.txt one after the other and shows that the tests named there go red.
 
-A copy of the tree lies in BUILD/plants/tree, with a second copy of shaders/shared in BUILD/plants/twin that C++ reads and the shader compiler
+A copy of the tree lies in BUILD/plants/tree, with a second copy of shaders/shared under BUILD/plants/twin that C++ reads and the shader compiler
 does not; so a fault can be planted in the text of one side only. Each fault rebuilds what it touches in one build tree that is kept, then runs
 the named program: it must fail. Before any fault each program must pass with the filters named, and run at least one test for each.
 
@@ -62,12 +62,12 @@ class Tree:
             elif os.path.isfile(path):
                 with open(path, "rb") as f:
                     write_if_changed(os.path.join(self.tree, name), f.read())
-        mirror(os.path.join(ROOT, "shaders", "shared"), os.path.join(self.twin, "shared"))
+        mirror(os.path.join(ROOT, "shaders", "shared"), os.path.join(self.twin, "shaders", "shared"))
         if not os.path.exists(os.path.join(self.build, "build.ninja")):
             shutil.rmtree(self.build, ignore_errors=True)
             # A quoted include looks into -iquote folders before it looks into the -I folder that the shader compiler is given.
             done = subprocess.run(["cmake", "-S", self.tree, "-B", self.build, "-G", "Ninja", "-DPLUMB_TESTS=ON", "-DCMAKE_BUILD_TYPE=",
-                                   f"-DCMAKE_CXX_FLAGS=-O1 -iquote {self.twin}"], capture_output=True, text=True)
+                                   f"-DCMAKE_CXX_FLAGS=-O1 -iquote {self.twin} -iquote {self.twin}/shaders"], capture_output=True, text=True)
             if done.returncode:
                 sys.exit(done.stdout + done.stderr)
         self.environment = dict(os.environ, XDG_CACHE_HOME=os.path.join(self.base, "cache"))
@@ -83,7 +83,7 @@ class Tree:
             if row.side in ("device", "both"):
                 copies.append(os.path.join(self.tree, inside))
             if row.side in ("twin", "both"):
-                copies.append(os.path.join(self.twin, "shared", os.path.basename(inside)))
+                copies.append(os.path.join(self.twin, inside))
         return copies, source
 
     def make(self, programs):
