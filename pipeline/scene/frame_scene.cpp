@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A camera and lights for scenes that state none.
+#include "pipeline/scene/degrees.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
@@ -81,17 +82,18 @@ Angles anglesOfView(const std::string& view) {
 Camera frameCamera(const Scene& scene, double aspect, const std::string& view) {
     const Angles angles = anglesOfView(view);
     const Axes front = frontAxes(scene);
-    const double azimuth = glm::radians(angles.azimuth), elevation = glm::radians(angles.elevation);
-    const glm::dvec3 level = std::cos(azimuth) * front.back + std::sin(azimuth) * front.right;
-    const glm::dvec3 back = glm::normalize(std::cos(elevation) * level + std::sin(elevation) * front.up);
-    const glm::dvec3 up = glm::normalize(std::cos(elevation) * front.up - std::sin(elevation) * level);
+    const SineCosine azimuth = sineCosineOfDegrees(angles.azimuth), elevation = sineCosineOfDegrees(angles.elevation);
+    const glm::dvec3 level = azimuth.cosine * front.back + azimuth.sine * front.right;
+    const glm::dvec3 back = glm::normalize(elevation.cosine * level + elevation.sine * front.up);
+    const glm::dvec3 up = glm::normalize(elevation.cosine * front.up - elevation.sine * level);
 
     Camera camera;
     camera.forward = -back;
     camera.up = up;
     camera.right = scene.leftHanded ? glm::cross(up, -back) : glm::cross(-back, up);
-    const double shorter = std::tan(glm::radians(kFovShorterDegrees / 2));
-    camera.fovYDegrees = glm::degrees(2 * std::atan(shorter / std::min(1.0, aspect)));
+    const SineCosine half = sineCosineOfDegrees(kFovShorterDegrees / 2);
+    const double shorter = half.sine / half.cosine;
+    camera.fovYDegrees = aspect >= 1 ? kFovShorterDegrees : glm::degrees(2 * std::atan(shorter / aspect));
 
     // A point (x, y, z) in camera axes is inside the square of slope t about the axis of an eye at (ex, ey, ez) when
     // |x - ex| <= t (z - ez) and |y - ey| <= t (z - ez). Each of the four is a bound on ex - t ez or ex + t ez, so the

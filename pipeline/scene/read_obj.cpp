@@ -223,7 +223,6 @@ private:
             const std::string_view key = in.word();
             if (key == "newmtl") {
                 const std::string_view name = in.restOfLine();
-                if (name.empty()) in.refuse("newmtl has no name");
                 // The first definition of a name counts.
                 materialByName_.try_emplace(std::string(name), uint32_t(library_.size()));
                 library_.push_back({});
@@ -253,8 +252,8 @@ private:
             material.shininess = std::min(value, 1e6f);
         } else if (key == "Ni") {
             const float value = in.number("Ni");
-            if (value <= 0) in.refuse("Ni is not positive");
-            material.refractiveIndex = value;
+            if (value < 0) in.refuse("Ni is negative");
+            material.refractiveIndex = value == 0 ? 1.0f : value;   // exporters write 0 for "not stated"
         } else if (key == "d" || key == "Tr") {
             std::string_view word = in.word();
             if (key == "d" && word == "-halo") {
