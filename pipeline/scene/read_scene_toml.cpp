@@ -4,6 +4,7 @@
 // points outward there just as for counter-clockwise lists in a right-handed world, so finishMesh serves both.
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/affine.h"
+#include "pipeline/scene/degrees.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -24,28 +25,6 @@ constexpr uint64_t kMaxSceneFileBytes = uint64_t(16) << 20;
 constexpr int kMaxDepth = 64;            // of keys and of object hierarchies: what recurses stays off the stack's end
 constexpr double kMaxShininess = 1e6;
 constexpr uint32_t kMaxImageSide = 65536;
-
-struct SinCos { double sine, cosine; };
-
-// Exact at multiples of 90 degrees. Taylor's series on at most 45 degrees, where the first term left out is below
-// 2^-63 of the sum: only + - * /, so that a scene has the same bits with every C library.
-SinCos sinCosDegrees(double degrees) {
-    int quadrant = 0;
-    const double x = std::remquo(degrees, 90.0, &quadrant) * (3.14159265358979323846 / 180);
-    const double xx = x * x;
-    double sineTail = 0, cosineTail = 0;
-    for (int n = 18; n >= 2; n -= 2) {
-        cosineTail = (1 - cosineTail) * xx / (n * (n - 1));
-        sineTail = (1 - sineTail) * xx / (n * (n + 1));
-    }
-    const double s = x - x * sineTail, c = 1 - cosineTail;
-    switch (unsigned(quadrant) & 3u) {
-        case 0: return {s, c};
-        case 1: return {c, -s};
-        case 2: return {-s, -c};
-        default: return {-c, s};
-    }
-}
 
 // An 8-bit sRGB channel as linear light (IEC 61966-2-1): v^2.4 = v^2 (v^(1/5))^2, the root by Newton, again with
 // + - * / alone. From 1 the iteration falls monotonically to the root, 0.6 or more, in fewer than 32 steps.
@@ -70,20 +49,20 @@ dmat4 scaling(const dvec3& s) { return fromRows({s.x, 0, 0, 0, 0, s.y, 0, 0, 0, 
 
 // The notes' sections 6.3 and 8.3.3 to 8.3.5: Z takes +X to +Y, Y takes +Z to +X, X takes +Y to +Z.
 dmat4 rotationX(double degrees) {
-    const auto [s, c] = sinCosDegrees(degrees);
+    const auto [s, c] = sineCosineOfDegrees(degrees);
     return fromRows({1, 0, 0, 0, 0, c, -s, 0, 0, s, c, 0, 0, 0, 0, 1});
 }
 dmat4 rotationY(double degrees) {
-    const auto [s, c] = sinCosDegrees(degrees);
+    const auto [s, c] = sineCosineOfDegrees(degrees);
     return fromRows({c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0, 0, 0, 0, 1});
 }
 dmat4 rotationZ(double degrees) {
-    const auto [s, c] = sinCosDegrees(degrees);
+    const auto [s, c] = sineCosineOfDegrees(degrees);
     return fromRows({c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
 }
 // Rodrigues about a unit axis through the origin; for the coordinate axes it is the three above.
 dmat4 rotation(const dvec3& axis, double degrees) {
-    const auto [s, c] = sinCosDegrees(degrees);
+    const auto [s, c] = sineCosineOfDegrees(degrees);
     const double v = 1 - c, x = axis.x, y = axis.y, z = axis.z;
     return fromRows({c + x * x * v, x * y * v - z * s, x * z * v + y * s, 0,
                      y * x * v + z * s, c + y * y * v, y * z * v - x * s, 0,
@@ -91,7 +70,12 @@ dmat4 rotation(const dvec3& axis, double degrees) {
                      0, 0, 0, 1});
 }
 
+// Levenshtein's, blind to the case of ASCII letters.
 size_t editDistance(std::string_view a, std::string_view b) {
+    const auto same = [](char x, char y) {
+        const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
+        return lower(x) == lower(y);
+    };
     std::vector<size_t> row(b.size() + 1);
     for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
     for (size_t i = 1; i <= a.size(); ++i) {
@@ -99,7 +83,7 @@ size_t editDistance(std::string_view a, std::string_view b) {
         row[0] = i;
         for (size_t j = 1; j <= b.size(); ++j) {
             const size_t above = row[j];
-            row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
+            row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + !same(a[i - 1], b[j - 1])});
             diagonal = above;
         }
     }
