@@ -28,7 +28,7 @@ ROOMS = {
     "pipeline/passes": (["pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv"], ["glm", "fmt"]),
     "pipeline/render": (["pipeline/render", "pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv"],
                         ["glm", "fmt"]),
-    "pipeline/image": (["pipeline/image", "pipeline/render", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
+    "pipeline/image": (["pipeline/image", "pipeline/render", "pipeline/scene", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
     "pipeline/cli": (["pipeline/cli", "pipeline/scene", "host/error.h"], ["cli", "glm", "fmt"]),
     "pipeline/command": (["pipeline", "host"], ["cli", "glm", "fmt", "json"]),
     "examples": (["plumbline"], ["glm"]),

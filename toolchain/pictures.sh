@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Makes the pictures of README and docs from the rows of scenes/pictures.txt, into docs/images/. The files are bits: a second run changes none.
+# Makes the pictures of README and docs from the rows of scenes/pictures.txt, into docs/images/. The pixels are bits; the
+# text chunks of a PNG name the commit that drew it.
 # usage: toolchain/pictures.sh
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"

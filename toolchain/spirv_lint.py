@@ -8,7 +8,7 @@ SEEDS, which only the functions CALLERS of shaders/shared/exact.h call: as a see
 self-test has found them correctly rounded.
 No RelaxedPrecision, no fast-math decoration, no float of another width than 32 bits, no rounding mode but round to nearest even.
 
-Modules whose name starts with "selftest" measure the device and are listed, not judged.
+Modules whose name starts with "selftest" or "canary" measure the device and are listed, not judged.
 
 usage: spirv_lint.py [--quiet] MODULE.spv...    exit 1 on a fault; --list FILE: one path a line
 """
@@ -140,7 +140,7 @@ def lint(words):
 
 
 def exempt(path):
-    return os.path.basename(path).startswith("selftest")
+    return os.path.basename(path).startswith(("selftest", "canary"))
 
 
 def paths_of(arguments):
