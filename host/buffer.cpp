@@ -166,6 +166,8 @@ VkBufferView MemoryPool::view(Block& block, VkFormat format, uint64_t offset, ui
     return it->second;
 }
 
+RawBuffer::RawBuffer() noexcept = default;
+
 RawBuffer::RawBuffer(Device& device, uint64_t bytes, const char* name)
     : impl_(std::make_unique<BufferImpl>(device.impl().memory, bytes, name)) {}
 RawBuffer::RawBuffer(RawBuffer&&) noexcept = default;

@@ -15,7 +15,7 @@ struct BufferImpl;
 
 class RawBuffer {
 public:
-    RawBuffer() = default;  // empty: may be bound nowhere
+    RawBuffer() noexcept;   // empty: may be bound nowhere
     // Throws Error(failed) when the budget, maxMemoryAllocationSize or the device refuses.
     // Contents are undefined (recycled allocations are possible): clear what must be clear.
     RawBuffer(Device& device, uint64_t bytes, const char* name);

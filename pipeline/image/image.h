@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/render/frame.h"
+#include "pipeline/scene/sha256.h"
 
 #include <array>
 #include <cstddef>
@@ -40,7 +41,6 @@ void writeFrame(const std::filesystem::path&, const Frame&, uint32_t planes, con
 // Frames of equal size in rows of `columns` (0: as square as can be), in order; cells left over are `background`: a packed
 // pixel, and its linear colour for sheets with a linear plane. Other planes are dropped.
 Frame contactSheet(std::span<const Frame> frames, uint32_t columns, uint32_t background, std::array<float, 3> backgroundLinear = {});
-std::string sha256Hex(std::span<const std::byte>);
 // Reads a PNG back (tests, verify's pictures): RGBA8. Regular files of at most 2^28 pixels; Error(input) otherwise.
 Frame readPng(const std::filesystem::path&);
 

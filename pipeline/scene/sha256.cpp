@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// SHA-256 (FIPS 180-4). Here because a picture is compared by its pixels' hash, never by its file's bytes.
-#include "pipeline/image/image.h"
+// SHA-256 (FIPS 180-4).
+#include "pipeline/scene/sha256.h"
 
 #include <array>
 #include <bit>

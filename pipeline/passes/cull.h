@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Cull, set-up and clip: which triangles are drawn, and their list. Contracts: shaders/shared/cull.h, setup.h.
+#pragma once
+
+#include "host/recorder.h"
+#include "pipeline/passes/draw_list.h"
+#include "shaders/shared/setup.h"
+
+#include <span>
+#include <vector>
+
+namespace plumb {
+
+void cullCpu(const gpu::CullPush& push, std::span<const glm::uvec4> triangles, std::span<const gpu::ScreenVertex> screen,
+             std::span<gpu::CullRecord> records, uint32_t threads);
+void recordCull(Recorder& recorder, const gpu::CullPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,
+                const Buffer<gpu::ScreenVertex>& screen, const Buffer<gpu::CullRecord>& records);
+
+// The host's step between cull and set-up, the same for device and twin: places in the draw list, clip jobs, counts.
+struct DrawPlaces {
+    std::vector<uint32_t> places;        // a CullRecord's first place
+    std::vector<gpu::ClipJob> jobs;
+    std::vector<uint32_t> large;         // places binned row by row (clip fans are added by the caller)
+    uint32_t drawCount = 0;              // entries of the draw list
+    uint32_t clippedVertices = 0;
+    uint64_t drawn = 0, backFacing = 0, zeroArea = 0, outside = 0;
+    bool wide = false;
+};
+DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& list, uint32_t firstClippedVertex);
+
+void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places, std::span<const glm::uvec4> triangles,
+              std::span<const gpu::ScreenVertex> screen, std::span<gpu::DrawTriangle> draws, uint32_t threads);
+void recordSetup(Recorder& recorder, const gpu::SetupPush& push, const Specialization& exact,
+                 const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen,
+                 const Buffer<gpu::CullRecord>& records, const Buffer<uint32_t>& places, const Buffer<gpu::DrawTriangle>& draws);
+
+// Writes the corners to screen and carried at job.vertex, the fan to draws at job.place; kinds[job] = wide | drawn << 1.
+void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std::span<const glm::uvec4> triangles,
+             std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects,
+             std::span<gpu::ScreenVertex> screen, std::span<glm::vec4> carried, std::span<gpu::DrawTriangle> draws,
+             std::span<uint32_t> kinds, uint32_t threads);
+void recordClip(Recorder& recorder, const gpu::ClipPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,
+                const Buffer<glm::vec4>& positions, const Buffer<gpu::ObjectRecord>& objects,
+                const Buffer<gpu::ClipJob>& jobs, const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried,
+                const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& kinds);
+
+}  // namespace plumb

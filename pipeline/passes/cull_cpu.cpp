@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/passes/cull.h"
+
+#include "pipeline/passes/parallel.h"
+
+#include <bit>
+
+namespace plumb {
+
+namespace {
+
+glm::ivec2 placeOf(const gpu::ScreenVertex& v) { return {v.x, v.y}; }
+
+}  // namespace
+
+void cullCpu(const gpu::CullPush& push, std::span<const glm::uvec4> triangles, std::span<const gpu::ScreenVertex> screen,
+             std::span<gpu::CullRecord> records, uint32_t threads) {
+    parallelBands(records.size(), 256, threads, [&](uint64_t begin, uint64_t end) {
+        for (uint64_t lane = begin; lane < end; ++lane) {
+            gpu::CullRecord r{};
+            for (uint32_t k = 0; k < gpu::kTrianglesPerLane; ++k) {
+                const uint64_t t = lane * gpu::kTrianglesPerLane + k;
+                if (t >= push.triangleCount) break;
+                const uint32_t bit = 1u << k;
+                const gpu::ScreenVertex &a = screen[triangles[t].x], &b = screen[triangles[t].y], &c = screen[triangles[t].z];
+                if (a.outcode & b.outcode & c.outcode) {
+                    r.outside |= bit;
+                    continue;
+                }
+                if (a.outcode | b.outcode | c.outcode) {
+                    r.clip |= bit;
+                    continue;
+                }
+                const glm::ivec2 p0 = placeOf(a), p1 = placeOf(b), p2 = placeOf(c);
+                switch (gpu::classify(p0, p1, p2, push.frame, push.cullBackFaces)) {
+                    case gpu::kOutside: r.outside |= bit; break;
+                    case gpu::kBackFacing: r.backFacing |= bit; break;
+                    case gpu::kZeroArea: r.zeroArea |= bit; break;
+                    default: {
+                        r.drawn |= bit;
+                        const glm::ivec2 extent = gpu::highest(p0, p1, p2) - gpu::lowest(p0, p1, p2);
+                        if (gpu::tilesInBox(p0, p1, p2, push.frame) > gpu::kSmallTiles) r.large |= bit;
+                        if (!gpu::isNarrow(extent.x, extent.y)) r.wide |= bit;
+                    }
+                }
+            }
+            records[lane] = r;
+        }
+    });
+}
+
+DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& list, uint32_t firstClippedVertex) {
+    DrawPlaces d;
+    d.places.resize(records.size());
+    uint64_t next = 0;
+    size_t range = 0;
+    for (size_t lane = 0; lane < records.size(); ++lane) {
+        const gpu::CullRecord& r = records[lane];
+        d.places[lane] = uint32_t(next);
+        d.drawn += std::popcount(r.drawn);
+        d.backFacing += std::popcount(r.backFacing);
+        d.zeroArea += std::popcount(r.zeroArea);
+        d.outside += std::popcount(r.outside);
+        d.wide |= r.wide != 0;
+        const auto placeOfBit = [&](uint32_t bit) {
+            const uint32_t below = (1u << bit) - 1u;
+            return uint32_t(next) + std::popcount(r.drawn & below) + gpu::kClipFan * std::popcount(r.clip & below);
+        };
+        for (uint32_t left = r.large | r.wide; left; left &= left - 1) d.large.push_back(placeOfBit(std::countr_zero(left)));
+        for (uint32_t left = r.clip; left; left &= left - 1) {
+            const uint32_t bit = std::countr_zero(left);
+            const uint32_t triangle = uint32_t(lane * gpu::kTrianglesPerLane + bit);
+            while (list.ranges[range].firstTriangle + list.ranges[range].triangleCount <= triangle) ++range;
+            const uint32_t job = uint32_t(d.jobs.size());
+            d.jobs.push_back({triangle, list.ranges[range].record, placeOfBit(bit), firstClippedVertex + job * gpu::kClipCorners});
+        }
+        next += uint64_t(std::popcount(r.drawn)) + uint64_t(gpu::kClipFan) * std::popcount(r.clip);
+    }
+    if (next > 0x7fffffffu) throw renderError("a chunk has more than 2^31 drawn triangles");
+    d.drawCount = uint32_t(next);
+    d.clippedVertices = uint32_t(d.jobs.size()) * gpu::kClipCorners;
+    return d;
+}
+
+void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places, std::span<const glm::uvec4> triangles,
+              std::span<const gpu::ScreenVertex> screen, std::span<gpu::DrawTriangle> draws, uint32_t threads) {
+    parallelBands(records.size(), 256, threads, [&](uint64_t begin, uint64_t end) {
+        for (uint64_t lane = begin; lane < end; ++lane) {
+            uint32_t place = places.places[lane];
+            for (uint32_t k = 0; k < gpu::kTrianglesPerLane; ++k) {
+                const uint32_t bit = 1u << k;
+                if (records[lane].clip & bit) place += gpu::kClipFan;
+                if (!(records[lane].drawn & bit)) continue;
+                const uint32_t t = uint32_t(lane * gpu::kTrianglesPerLane + k);
+                const glm::uvec4& v = triangles[t];
+                draws[place++] = gpu::drawTriangle(v.x, v.y, v.z, placeOf(screen[v.x]), placeOf(screen[v.y]), placeOf(screen[v.z]), t);
+            }
+        }
+    });
+}
+
+void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std::span<const glm::uvec4> triangles,
+             std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects,
+             std::span<gpu::ScreenVertex> screen, std::span<glm::vec4> carried, std::span<gpu::DrawTriangle> draws,
+             std::span<uint32_t> kinds, uint32_t threads) {
+    parallelBands(jobs.size(), 64, threads, [&](uint64_t begin, uint64_t end) {
+        std::vector<gpu::ClipVertex> polygon, next;
+        for (uint64_t j = begin; j < end; ++j) {
+            const gpu::ClipJob& job = jobs[j];
+            const gpu::ObjectRecord& o = objects[job.object];
+            polygon.clear();
+            for (int i = 0; i < 3; ++i) {
+                const uint32_t v = triangles[job.triangle][i];
+                const glm::vec3 p(positions[v]);
+                polygon.push_back({gpu::rowTimesPoint(o.rowX, p), gpu::rowTimesPoint(o.rowY, p), gpu::rowTimesPoint(o.rowW, p),
+                                   glm::vec3(carried[v])});
+            }
+            for (int plane = 0; plane < gpu::kClipPlanes; ++plane) {
+                next.clear();
+                for (size_t i = 0; i < polygon.size(); ++i) {
+                    const gpu::ClipVertex &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+                    const float da = gpu::planeDistance(plane, a.x, a.y, a.w, push.viewport);
+                    const float db = gpu::planeDistance(plane, b.x, b.y, b.w, push.viewport);
+                    if (da >= 0) next.push_back(a);
+                    if (da >= 0 && db < 0) next.push_back(gpu::intersect(plane, a, b, da, db, push.viewport));
+                    if (da < 0 && db >= 0) next.push_back(gpu::intersect(plane, b, a, db, da, push.viewport));
+                }
+                polygon.swap(next);
+            }
+            PLUMB_ASSERT(polygon.size() <= gpu::kClipCorners);
+            uint32_t kind = 0;
+            std::vector<glm::ivec2> place;
+            for (size_t i = 0; i < polygon.size(); ++i) {
+                screen[job.vertex + i] = gpu::projectClipped(polygon[i], push.viewport);
+                carried[job.vertex + i] = glm::vec4(polygon[i].carried, 0.0f);
+                place.push_back(placeOf(screen[job.vertex + i]));
+            }
+            for (uint32_t i = 0; i < gpu::kClipFan; ++i) {
+                gpu::DrawTriangle d{{job.vertex, job.vertex, job.vertex}, job.triangle};
+                if (i + 2 < polygon.size() &&
+                    gpu::classify(place[0], place[i + 1], place[i + 2], push.frame, push.cullBackFaces) == gpu::kDrawn) {
+                    d = gpu::drawTriangle(job.vertex, job.vertex + i + 1, job.vertex + i + 2, place[0], place[i + 1], place[i + 2],
+                                          job.triangle);
+                    const glm::ivec2 extent = gpu::highest(place[0], place[i + 1], place[i + 2]) -
+                                              gpu::lowest(place[0], place[i + 1], place[i + 2]);
+                    kind |= gpu::isNarrow(extent.x, extent.y) ? 0 : 1;
+                    kind += 2;
+                }
+                draws[job.place + i] = d;
+            }
+            kinds[j] = kind;
+        }
+    });
+}
+
+}  // namespace plumb

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/passes/cull.h"
+
+#include <spirv/clip.h>
+#include <spirv/cull.h>
+#include <spirv/setup.h>
+
+namespace plumb {
+
+void recordCull(Recorder& recorder, const gpu::CullPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,
+                const Buffer<gpu::ScreenVertex>& screen, const Buffer<gpu::CullRecord>& records) {
+    const uint64_t lanes = (uint64_t(push.triangleCount) + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane;
+    recorder.dispatch("cull", spirv::cull, lanes, push,
+                      {texels(triangles, View::texelU32x4), texels(screen, View::texelU32x4), storage(records)}, exact);
+}
+
+void recordSetup(Recorder& recorder, const gpu::SetupPush& push, const Specialization& exact,
+                 const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen,
+                 const Buffer<gpu::CullRecord>& records, const Buffer<uint32_t>& places, const Buffer<gpu::DrawTriangle>& draws) {
+    recorder.dispatch("setup", spirv::setup, push.laneCount, push,
+                      {texels(triangles, View::texelU32x4), texels(screen, View::texelU32x4), storage(records), storage(places),
+                       storage(draws)},
+                      exact);
+}
+
+void recordClip(Recorder& recorder, const gpu::ClipPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,
+                const Buffer<glm::vec4>& positions, const Buffer<gpu::ObjectRecord>& objects,
+                const Buffer<gpu::ClipJob>& jobs, const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried,
+                const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& kinds) {
+    recorder.dispatch("clip", spirv::clip, push.jobCount, push,
+                      {texels(triangles, View::texelU32x4), texels(positions, View::texelF32x4), storage(objects), storage(jobs),
+                       storage(screen), storage(carried), storage(draws), storage(kinds)},
+                      exact);
+}
+
+}  // namespace plumb

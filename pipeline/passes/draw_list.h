@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// What the passes take: every drawn object of a scene, flattened for one picture. Device and twin read the same list.
+#pragma once
+
+#include "shaders/shared/fill.h"
+#include "shaders/shared/illuminate.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace plumb {
+
+struct DrawList {
+    // One object: ranges into the streams below; `record` indexes `objects`.
+    struct Range {
+        uint32_t sceneObject = 0, record = 0;
+        uint32_t firstVertex = 0, vertexCount = 0;
+        uint32_t firstTriangle = 0, triangleCount = 0;
+        uint32_t firstFace = 0, faceCount = 0;
+        uint32_t firstEdge = 0, edgeCount = 0;
+    };
+    std::vector<Range> ranges;
+    std::vector<gpu::ObjectRecord> objects;
+    std::vector<glm::vec4> positions, normals;            // per vertex, object space; w unused
+    std::vector<uint32_t> vertexMaterial;
+    std::vector<glm::uvec4> triangles;                    // vertices counter-clockwise as seen from the front, material
+    std::vector<uint32_t> triangleFace;                   // index into the face stream
+    std::vector<glm::vec4> facePositions, faceNormals;    // flat shading: one point a face
+    std::vector<uint32_t> faceMaterial, facePrimitive;    // primitive_id of a face
+    std::vector<glm::uvec2> edges;                        // wire frame
+    std::vector<gpu::MaterialRecord> materials;
+    std::vector<gpu::LightRecord> lights;
+    gpu::Viewport viewport{};
+    gpu::FrameBox frame{};                                // the whole frame, in samples
+    uint32_t cullBackFaces = 1;
+    glm::vec3 rayOrigin{0}, rayX{0}, rayY{0};
+    uint32_t firstTriangle = 0;                           // of this chunk in the whole list
+};
+
+// The triangles [first, first + count) as a list of their own: vertices and faces that they use, renumbered in order of first use.
+DrawList chunkOf(const DrawList& list, uint32_t first, uint32_t count);
+
+}  // namespace plumb

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Fill, shade and encode. Contracts: shaders/shared/fill.h, shade.h, encode.h. One kernel on the device; the twin fills by exact
+// integer scan-line spans, then shades each visible pixel once.
+#pragma once
+
+#include "host/recorder.h"
+#include "pipeline/passes/draw_list.h"
+#include "shaders/shared/encode.h"
+
+#include <span>
+
+namespace plumb {
+
+// What the plan lets the kernel leave out, and what it shall leave behind.
+struct FillChoices {
+    uint32_t shading = gpu::kShadingPhong;
+    gpu::ShadeParts parts{true, true, true};
+    bool oneMaterial = false, oneLight = false;
+    uint32_t encoding = gpu::kEncodeSrgb;
+    uint32_t planes = 0;                 // gpu::kFillPlane bits that the plane buffer holds
+    uint32_t write = 0;                  // of these: to write
+    bool prior = false, wide = false, colour = true;
+};
+
+// Twin, first half: z bits and drawn triangle + 1 (0: none) of every pixel of a frame.
+void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen,
+             std::span<int> z, std::span<uint32_t> draw, uint32_t threads);
+
+// Twin, second half: linear colour (3 floats a pixel) and, when asked for, unit normals of the covered pixels.
+void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoices& choices, std::span<const gpu::DrawTriangle> draws,
+              std::span<const gpu::ScreenVertex> screen, std::span<const glm::vec4> carried, std::span<const int> z,
+              std::span<const uint32_t> draw, std::span<float> linear, std::span<float> normal, uint32_t threads);
+
+struct FillBuffers {
+    const Buffer<gpu::DrawTriangle>& draws;
+    const Buffer<gpu::ScreenVertex>& screen;
+    const Buffer<glm::vec4>& carried;
+    const Buffer<glm::uvec4>& tiles;     // tile x | y << 16, first entry, entries
+    const Buffer<uint32_t>& entries;
+    const Buffer<uint32_t>& triangleMaterials;
+    const Buffer<gpu::MaterialRecord>& materials;
+    const Buffer<gpu::LightRecord>& lights;
+    const Buffer<uint32_t>& encodeTable;
+    const Buffer<glm::uvec4>& colours;
+    const Buffer<glm::uvec4>& planes;
+};
+void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices& choices, const Specialization& exact,
+                const FillBuffers& buffers, uint32_t firstTile);
+
+}  // namespace plumb

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/passes/fill.h"
+
+#include <spirv/fill.h>
+
+namespace plumb {
+
+void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices& choices, const Specialization& exact,
+                const FillBuffers& b, uint32_t firstTile) {
+    Specialization constants = exact;
+    constants[2] = choices.shading;
+    constants[3] = choices.parts.diffuse;
+    constants[4] = choices.parts.specular;
+    constants[5] = choices.parts.point;
+    constants[6] = choices.oneMaterial;
+    constants[7] = choices.oneLight;
+    constants[8] = choices.encoding;
+    constants[9] = choices.planes;
+    constants[10] = choices.prior;
+    constants[11] = choices.wide;
+    constants[12] = choices.colour;
+    constants[13] = choices.write;
+    const uint64_t tileOffset = uint64_t(firstTile) * sizeof(glm::uvec4);
+    recorder.dispatch("fill", spirv::fill, uint64_t(push.tileCount) * 8, push,
+                      {texels(b.draws, View::texelU32x4), texels(b.screen, View::texelU32x4), texels(b.carried, View::texelF32x4),
+                       texels(b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
+                       texels(b.entries, View::texelU32), texels(b.triangleMaterials, View::texelU32),
+                       texels(b.materials, View::texelF32x4), texels(b.lights, View::texelF32x4),
+                       texels(b.encodeTable, View::texelU32), storage(b.colours), storage(b.planes)},
+                      constants);
+}
+
+}  // namespace plumb

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Resolve: samples of an ordered grid -> pixels, in linear light. Contract: shaders/shared/resolve.h.
+#pragma once
+
+#include "host/recorder.h"
+#include "shaders/shared/resolve.h"
+
+#include <span>
+
+namespace plumb {
+
+// `samples`: linear RGB of the sample frame (3 floats each, background where nothing is drawn), `z` its z bits; both
+// (width side) x (height side). `pixels`: linear RGB, `rgba`: encoded.
+void resolveCpu(uint32_t width, uint32_t height, uint32_t side, bool transparent, uint32_t encoding, std::span<const float> samples,
+                std::span<const int> z, std::span<float> pixels, std::span<uint32_t> rgba, uint32_t threads);
+
+void recordResolve(Recorder& recorder, const gpu::ResolvePush& push, uint32_t encoding, bool linearOut, const Specialization& exact,
+                   const Buffer<glm::uvec4>& samplePlanes, const Buffer<uint32_t>& encodeTable, const Buffer<glm::uvec4>& colours,
+                   const Buffer<glm::vec4>& linear);
+
+}  // namespace plumb

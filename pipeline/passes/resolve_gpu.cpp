@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/passes/resolve.h"
+
+#include <spirv/resolve.h>
+
+namespace plumb {
+
+void recordResolve(Recorder& recorder, const gpu::ResolvePush& push, uint32_t encoding, bool linearOut, const Specialization& exact,
+                   const Buffer<glm::uvec4>& samplePlanes, const Buffer<uint32_t>& encodeTable, const Buffer<glm::uvec4>& colours,
+                   const Buffer<glm::vec4>& linear) {
+    Specialization constants = exact;
+    constants[2] = encoding;
+    constants[3] = linearOut;
+    recorder.dispatch("resolve", spirv::resolve, push.pixelQuads, push,
+                      {texels(samplePlanes, View::texelU32), texels(encodeTable, View::texelU32), storage(colours), storage(linear)},
+                      constants);
+}
+
+}  // namespace plumb

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/render/gpu_frame.h"
+
+#include "pipeline/passes/encode.h"
+#include "pipeline/passes/illuminate.h"
+#include "pipeline/passes/transform.h"
+
+#include <fmt/format.h>
+
+namespace plumb {
+
+namespace {
+
+constexpr uint32_t kClipCornersAtFirst = 4096;
+// Tile-list entries and shaded tiles of one dispatch: about 20 ns and 2 us each on two cores, so well below 100 ms.
+constexpr uint64_t kWorkPerDispatch = uint64_t(1) << 21;
+constexpr uint64_t kWorkPerTile = 100;
+
+template <class T>
+void put(Device& device, Buffer<T>& buffer, std::span<const T> from, const char* name) {
+    buffer.reserve(device, std::max<uint64_t>(from.size(), 1), name);
+    buffer.upload(from);
+}
+
+uint32_t planeCount(uint32_t planes) {
+    return (planes & gpu::kFillPlaneZ ? 1 : 0) + (planes & gpu::kFillPlaneTriangle ? 1 : 0) + (planes & gpu::kFillPlaneLinear ? 3 : 0) +
+           (planes & gpu::kFillPlaneNormal ? 3 : 0);
+}
+
+}  // namespace
+
+GpuFrame::GpuFrame(Device& device, const Prepared& prepared, double watchdogMs)
+    : device_(device), prepared_(prepared), recorder_(device), watchdogMs_(watchdogMs) {
+    exact_[0] = device.selfTest().nativeDivideIsExact;
+    exact_[1] = device.selfTest().nativeRootIsExact;
+    put<uint32_t>(device, encodeTable_, srgbBucketTable(), "encode table");
+}
+
+uint64_t GpuFrame::chunkTriangles() const {
+    const DeviceLimits& l = device_.limits();
+    // Three vertices a triangle at worst, 16 bytes each in the screen and carried buffers; an eighth is left for clipped corners.
+    const uint64_t vertices = std::min(l.storageRangeBytes / 16, l.texelElements);
+    const uint64_t byRange = vertices / 4;
+    const uint64_t byBudget = device_.memoryBudgetBytes() / 2 / 400;  // 400 bytes a triangle with three vertices of its own
+    return std::max<uint64_t>(1, std::min(byRange, byBudget));
+}
+
+uint32_t GpuFrame::bandRows(uint32_t planes) const {
+    const DeviceLimits& l = device_.limits();
+    const uint64_t pitch = (uint64_t(prepared_.list.frame.width) + 15) / 16 * 16;
+    const uint64_t words = std::min({l.storageRangeBytes / 4, l.texelElements, device_.memoryBudgetBytes() / 4 / 4});
+    const uint64_t rows = words / (pitch * std::max(1u, planeCount(planes))) / 8 * 8;
+    return uint32_t(std::clamp<uint64_t>(rows, 8, uint64_t(1) << 19));
+}
+
+void GpuFrame::checkFits(const char* what, uint64_t count, uint64_t elementBytes) const {
+    const DeviceLimits& l = device_.limits();
+    // reserve() takes a quarter more.
+    if ((count + count / 4 + 16) * elementBytes > l.storageRangeBytes || count + count / 4 + 16 > l.texelElements)
+        throw TooLarge{fmt::format("{} {} of {} bytes exceed a binding of the device", count, what, elementBytes)};
+}
+
+void GpuFrame::upload(const DrawList& chunk) {
+    chunk_ = &chunk;
+    put<glm::vec4>(device_, positions_, chunk.positions, "positions");
+    put<glm::vec4>(device_, normals_, chunk.normals, "normals");
+    put<glm::uvec4>(device_, triangles_, chunk.triangles, "triangles");
+    put<gpu::ObjectRecord>(device_, objects_, chunk.objects, "objects");
+    put<gpu::MaterialRecord>(device_, materials_, chunk.materials, "materials");
+    put<gpu::LightRecord>(device_, lights_, chunk.lights, "lights");
+    std::vector<uint32_t> materialOf(chunk.triangles.size());
+    const bool flat = prepared_.choices.shading == gpu::kShadingFlat;
+    for (size_t t = 0; t < materialOf.size(); ++t) materialOf[t] = flat ? chunk.triangleFace[t] : chunk.triangles[t].w;
+    put<uint32_t>(device_, triangleMaterial_, materialOf, "triangle materials");
+    if (prepared_.choices.shading == gpu::kShadingGouraud) put<uint32_t>(device_, vertexMaterial_, chunk.vertexMaterial, "vertex materials");
+    if (flat) {
+        put<glm::vec4>(device_, facePositions_, chunk.facePositions, "face positions");
+        put<glm::vec4>(device_, faceNormals_, chunk.faceNormals, "face normals");
+        put<uint32_t>(device_, faceMaterial_, chunk.faceMaterial, "face materials");
+        faceColours_.reserve(device_, std::max<uint64_t>(1, chunk.facePositions.size()), "face colours");
+    }
+    const uint64_t corners = chunk.positions.size() + kClipCornersAtFirst;
+    screen_.reserve(device_, corners, "screen vertices");
+    carried_.reserve(device_, corners, "carried values");
+    records_.reserve(device_, (chunk.triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane, "cull records");
+}
+
+void GpuFrame::transformAndCull(bool normals) {
+    const FillChoices& choices = prepared_.choices;
+    const bool gouraud = choices.shading == gpu::kShadingGouraud && !normals;
+    for (const DrawList::Range& r : chunk_->ranges) {
+        if (r.vertexCount == 0) continue;
+        recordTransform(recorder_, {0, r.firstVertex, r.vertexCount, r.record, chunk_->viewport},
+                        choices.shading == gpu::kShadingPhong || normals, exact_, positions_, normals_, objects_, screen_, carried_);
+        const uint32_t lightCount = uint32_t(chunk_->lights.size());
+        if (gouraud)
+            recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, lightCount}, choices.parts, exact_, positions_,
+                             normals_, vertexMaterial_, objects_, materials_, lights_, carried_);
+        if (choices.shading == gpu::kShadingFlat && !normals && r.faceCount)
+            recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, lightCount}, choices.parts, exact_, facePositions_,
+                             faceNormals_, faceMaterial_, objects_, materials_, lights_, faceColours_);
+    }
+    recordCull(recorder_, {0, uint32_t(chunk_->triangles.size()), chunk_->cullBackFaces, chunk_->frame}, exact_, triangles_, screen_,
+               records_);
+    recorder_.run(watchdogMs_);
+}
+
+void GpuFrame::setup() {
+    const uint64_t lanes = (chunk_->triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane;
+    places_ = placeDraws(records_.span().first(lanes), *chunk_, uint32_t(chunk_->positions.size()));
+    const uint64_t corners = chunk_->positions.size() + places_.clippedVertices;
+    checkFits("drawn triangles", places_.drawCount, sizeof(gpu::DrawTriangle));
+    checkFits("vertices", corners, sizeof(glm::vec4));
+    if (corners > screen_.count()) {  // more clipped triangles than usual: keep what the transform left
+        const std::vector<gpu::ScreenVertex> screen(screen_.span().begin(), screen_.span().end());
+        const std::vector<glm::vec4> carried(carried_.span().begin(), carried_.span().end());
+        screen_.reserve(device_, corners, "screen vertices");
+        carried_.reserve(device_, corners, "carried values");
+        screen_.upload(screen);
+        carried_.upload(carried);
+    }
+    draws_.reserve(device_, places_.drawCount, "draw list");
+    put<uint32_t>(device_, lanePlaces_, places_.places, "places");
+    recordSetup(recorder_, {0, uint32_t(lanes)}, exact_, triangles_, screen_, records_, lanePlaces_, draws_);
+    wide_ = places_.wide;
+    clippedDrawn_ = 0;
+    if (!places_.jobs.empty()) {
+        put<gpu::ClipJob>(device_, jobs_, places_.jobs, "clip jobs");
+        kinds_.reserve(device_, places_.jobs.size(), "clip kinds");
+        recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, exact_,
+                   triangles_, positions_, objects_, jobs_, screen_, carried_, draws_, kinds_);
+    }
+    recorder_.run(watchdogMs_);
+    for (size_t j = 0; j < places_.jobs.size(); ++j) {
+        wide_ |= kinds_.span()[j] & 1;
+        clippedDrawn_ += kinds_.span()[j] >> 1;
+        for (uint32_t i = 0; i < gpu::kClipFan; ++i) places_.large.push_back(places_.jobs[j].place + i);
+    }
+}
+
+void GpuFrame::beginBand(const gpu::FrameBox& band, uint32_t planes) {
+    band_ = band;
+    planes_ = planes;
+    tilesX_ = uint32_t(band.width + gpu::kTileWidth - 1) / gpu::kTileWidth;
+    tilesY_ = uint32_t(band.rows + gpu::kTileHeight - 1) / gpu::kTileHeight;
+    rowQuads_ = tilesX_ * gpu::kTileWidth / 4;
+    planeQuads_ = rowQuads_ * tilesY_ * gpu::kTileHeight;
+    colours_.reserve(device_, planeQuads_, "colours");
+    planeBuffer_.reserve(device_, std::max<uint64_t>(1, uint64_t(planeQuads_) * planeCount(planes)), "planes");
+    recorder_.fill("clear", colours_, prepared_.background & 0xffffffu, 0, uint64_t(planeQuads_) * 16);
+    uint64_t slot = 0;
+    const uint64_t bytes = uint64_t(planeQuads_) * 16;
+    const auto clear = [&](uint32_t word) { recorder_.fill("clear", planeBuffer_, word, slot++ * bytes, bytes); };
+    if (planes & gpu::kFillPlaneZ) clear(0);
+    if (planes & gpu::kFillPlaneTriangle) clear(gpu::kNoTriangle);
+    if (planes & gpu::kFillPlaneLinear)
+        for (int i = 0; i < 3; ++i) clear(gpu::ubitsOf(prepared_.backgroundLinear[i]));
+    if (planes & gpu::kFillPlaneNormal)
+        for (int i = 0; i < 3; ++i) clear(0);
+}
+
+gpu::BinPush GpuFrame::binPush() const {
+    gpu::BinPush push{};
+    push.tilesX = tilesX_;
+    push.tilesY = tilesY_;
+    push.rowsPerLarge = tilesY_;
+    push.firstClippedVertex = uint32_t(chunk_->positions.size());
+    push.frame = band_;
+    return push;
+}
+
+void GpuFrame::bin() {
+    const uint32_t tiles = tilesX_ * tilesY_;
+    tiles_.reserve(device_, tiles, "tiles");
+    put<uint32_t>(device_, large_, places_.large, "large triangles");
+    entries_.reserve(device_, 1, "tile lists");
+    std::fill_n(tiles_.span().begin(), tiles, 0u);
+    const uint32_t largeCount = uint32_t(places_.large.size());
+    recordBin(recorder_, BinStep::count, binPush(), places_.drawCount, largeCount, exact_, draws_, screen_, large_, tiles_, entries_);
+    recorder_.run(watchdogMs_);
+    tileCounts_.assign(tiles_.span().begin(), tiles_.span().begin() + tiles);
+    tileRecords_.clear();
+    uint64_t total = 0;
+    for (uint32_t t = 0; t < tiles; ++t) {
+        const uint32_t count = tileCounts_[t];
+        if (count) tileRecords_.push_back({(t % tilesX_) | (t / tilesX_) << 16, uint32_t(total), count, 0});
+        tiles_.span()[t] = uint32_t(total);
+        total += count;
+    }
+    binEntries_ = total;
+    checkFits("tile-list entries", total, 4);
+    if (total == 0) return;
+    entries_.reserve(device_, total, "tile lists");
+    recordBin(recorder_, BinStep::list, binPush(), places_.drawCount, largeCount, exact_, draws_, screen_, large_, tiles_, entries_);
+}
+
+void GpuFrame::fill(FillChoices choices) {
+    choices.wide = wide_;
+    choices.planes = planes_;
+    // A list too long for one invocation is drawn in slices over the planes, as chunks are.
+    uint32_t slices = 1;
+    for (const glm::uvec4& tile : tileRecords_) slices = std::max(slices, (tile.z + gpu::kTileListLimit - 1) / gpu::kTileListLimit);
+    if (slices > 1 && !(choices.write & gpu::kFillPlaneZ)) throw TooLarge{"a tile's list needs slices"};
+    gpu::FillPush push{};
+    push.firstRow = uint32_t(band_.firstRow);
+    push.rowQuads = rowQuads_;
+    push.planeQuads = planeQuads_;
+    push.lightCount = uint32_t(chunk_->lights.size());
+    push.background = prepared_.background & 0xffffffu;  // alpha 0: nothing drawn; the host makes it opaque
+    push.firstTriangle = chunk_->firstTriangle;
+    push.near = chunk_->viewport.near;
+    push.rayOrigin = chunk_->rayOrigin;
+    push.rayX = chunk_->rayX;
+    push.rayY = chunk_->rayY;
+    push.backgroundLinear = prepared_.backgroundLinear;
+    const FillBuffers buffers{draws_,     screen_,  choices.shading == gpu::kShadingFlat ? faceColours_ : carried_, tileBuffer_, entries_,
+                              triangleMaterial_, materials_, lights_, encodeTable_, colours_, planeBuffer_};
+    for (uint32_t slice = 0; slice < slices; ++slice) {
+        std::vector<glm::uvec4> tiles;
+        for (glm::uvec4 tile : tileRecords_) {
+            const uint32_t skip = slice * gpu::kTileListLimit;
+            if (tile.z <= skip) continue;
+            tile.y += skip;
+            tile.z = std::min(tile.z - skip, gpu::kTileListLimit);
+            tiles.push_back(tile);
+        }
+        put<glm::uvec4>(device_, tileBuffer_, tiles, "tile records");
+        // Tile offsets of a dispatch must meet minTexelBufferOffsetAlignment: 16 records are 256 bytes.
+        uint32_t first = 0;
+        uint64_t work = 0;
+        const uint64_t perTile = kWorkPerTile * (1 + chunk_->lights.size());
+        for (uint32_t t = 0; t < tiles.size(); ++t) {
+            work += tiles[t].z + perTile;
+            const bool last = t + 1 == tiles.size();
+            if (!last && (work < kWorkPerDispatch || (t + 1) % 16)) continue;
+            push.tileCount = t + 1 - first;
+            recordFill(recorder_, push, choices, exact_, buffers, first);
+            first = t + 1;
+            work = 0;
+        }
+        recorder_.run(watchdogMs_);
+        choices.prior = true;
+    }
+}
+
+void GpuFrame::resolve(uint32_t encoding, bool transparent, bool linearOut) {
+    const uint32_t side = prepared_.side;
+    const uint32_t rows = uint32_t(band_.rows) / side;
+    resolvedQuads_ = (prepared_.width + 3) / 4;
+    const uint64_t quads = uint64_t(resolvedQuads_) * rows;
+    resolved_.reserve(device_, quads, "pixels");
+    resolvedLinear_.reserve(device_, linearOut ? quads * 3 : 1, "linear pixels");
+    gpu::ResolvePush push{};
+    push.pixelQuads = uint32_t(quads);
+    push.rowQuads = resolvedQuads_;
+    push.sampleRowQuads = rowQuads_;
+    push.samplePlaneQuads = planeQuads_;
+    push.zSlot = 0;
+    push.linearSlot = planes_ & gpu::kFillPlaneTriangle ? 2 : 1;
+    push.side = side;
+    push.transparent = transparent;
+    recordResolve(recorder_, push, encoding, linearOut, exact_, planeBuffer_, encodeTable_, resolved_, resolvedLinear_);
+    recorder_.run(watchdogMs_);
+}
+
+std::span<const uint32_t> GpuFrame::colourWords() const {
+    return {static_cast<const uint32_t*>(colours_.data()), size_t(planeQuads_) * 4};
+}
+std::span<const uint32_t> GpuFrame::plane(uint32_t slot) const {
+    return {static_cast<const uint32_t*>(planeBuffer_.data()) + size_t(slot) * planeQuads_ * 4, size_t(planeQuads_) * 4};
+}
+std::span<const uint32_t> GpuFrame::resolvedColours() const {
+    return {static_cast<const uint32_t*>(resolved_.data()), size_t(resolved_.count()) * 4};
+}
+std::span<const float> GpuFrame::resolvedLinear(uint32_t channel) const {
+    const size_t quads = size_t(resolvedQuads_) * size_t(band_.rows) / prepared_.side;
+    return {static_cast<const float*>(resolvedLinear_.data()) + channel * quads * 4, quads * 4};
+}
+
+}  // namespace plumb

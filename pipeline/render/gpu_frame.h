@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// The device's side of a frame, step by step. Each step submits and waits; between steps the host adds up counts, so every list has
+// exactly the size it needs and nothing can overflow (docs/decisions.md). verify puts the twin's output between the steps.
+#pragma once
+
+#include "pipeline/passes/bin.h"
+#include "pipeline/passes/cull.h"
+#include "pipeline/passes/fill.h"
+#include "pipeline/passes/resolve.h"
+#include "pipeline/render/prepare.h"
+
+namespace plumb {
+
+// The chunk or the band does not fit the device's ranges: the caller halves what it asked for.
+struct TooLarge {
+    std::string what;
+};
+
+class GpuFrame {
+public:
+    GpuFrame(Device& device, const Prepared& prepared, double watchdogMs);
+
+    // Uploads a chunk; buffers grow as needed.
+    void upload(const DrawList& chunk);
+    // transform, illuminate and cull. `normals`: carry world normals whatever the shading (normal plane).
+    void transformAndCull(bool normals);
+    // Host step, set-up and clip. Throws TooLarge before anything is written.
+    void setup();
+    // Clears the band's buffers to background.
+    void beginBand(const gpu::FrameBox& band, uint32_t planes);
+    // Counts and lists of the current chunk in the band. Throws TooLarge.
+    void bin();
+    // Fill, shade, encode. `choices` as the plan says with planes, prior and colour set.
+    void fill(FillChoices choices);
+    // The chunk is drawn again with normals as its carried values (normal plane of other shadings).
+    void resolve(uint32_t encoding, bool transparent, bool linearOut);
+
+    // Largest chunk and band that fit ranges, texel counts and the memory budget.
+    uint64_t chunkTriangles() const;
+    uint32_t bandRows(uint32_t planes) const;
+
+    const Buffer<glm::uvec4>& colours() const { return colours_; }
+    uint32_t rowPixels() const { return rowQuads_ * 4; }             // of colours(), in samples or resolved pixels
+    std::span<const uint32_t> colourWords() const;                    // row pitch: rowPixels()
+    std::span<const uint32_t> plane(uint32_t slot) const;             // of the sample planes
+    std::span<const uint32_t> resolvedColours() const;                // row pitch: resolvedRowPixels()
+    std::span<const float> resolvedLinear(uint32_t channel) const;
+    uint32_t resolvedRowPixels() const { return resolvedQuads_ * 4; }
+
+    Recorder& recorder() { return recorder_; }
+    const DrawPlaces& places() const { return places_; }
+    uint64_t binEntries() const { return binEntries_; }
+    uint64_t clippedDrawn() const { return clippedDrawn_; }
+
+    // For verify: what a step left, and what the next one shall read.
+    std::span<gpu::ScreenVertex> screen() { return screen_.span(); }
+    std::span<glm::vec4> carried() { return carried_.span(); }
+    std::span<glm::vec4> faceColours() { return faceColours_.span(); }
+    std::span<gpu::CullRecord> records() { return records_.span(); }
+    std::span<gpu::DrawTriangle> draws() { return draws_.span(); }
+    std::span<const uint32_t> tileCounts() const { return tileCounts_; }
+    std::span<const uint32_t> entries() const { return entries_.span(); }
+    gpu::BinPush binPush() const;
+
+private:
+    void checkFits(const char* what, uint64_t count, uint64_t elementBytes) const;
+
+    Device& device_;
+    const Prepared& prepared_;
+    const DrawList* chunk_ = nullptr;
+    Recorder recorder_;
+    double watchdogMs_;
+    Specialization exact_;
+    DrawPlaces places_;
+    uint64_t binEntries_ = 0, clippedDrawn_ = 0;
+    bool wide_ = false;
+    gpu::FrameBox band_{};
+    uint32_t tilesX_ = 0, tilesY_ = 0, rowQuads_ = 0, planeQuads_ = 0, resolvedQuads_ = 0, planes_ = 0;
+    std::vector<uint32_t> tileCounts_;
+    std::vector<glm::uvec4> tileRecords_;
+
+    Buffer<glm::vec4> positions_, normals_, facePositions_, faceNormals_, carried_, faceColours_;
+    Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, lanePlaces_, large_, kinds_, tiles_, entries_, encodeTable_;
+    Buffer<glm::uvec4> triangles_, tileBuffer_, colours_, planeBuffer_, resolved_;
+    Buffer<glm::vec4> resolvedLinear_;
+    Buffer<gpu::ObjectRecord> objects_;
+    Buffer<gpu::MaterialRecord> materials_;
+    Buffer<gpu::LightRecord> lights_;
+    Buffer<gpu::ScreenVertex> screen_;
+    Buffer<gpu::CullRecord> records_;
+    Buffer<gpu::DrawTriangle> draws_;
+    Buffer<gpu::ClipJob> jobs_;
+};
+
+}  // namespace plumb

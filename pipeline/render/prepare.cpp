@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/render/prepare.h"
+
+#include "pipeline/passes/encode.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace plumb {
+
+namespace {
+
+struct Pinhole {
+    double focal = 0;             // sample pixels
+    double near = 0;
+    glm::dvec3 right, down, forward, eye;
+    double width = 0, height = 0; // samples
+};
+
+Pinhole pinholeOf(const Camera& camera, double width, double height, double side) {
+    Pinhole v;
+    v.width = width;
+    v.height = height;
+    v.focal = camera.focalPixels > 0 ? camera.focalPixels * side
+                                     : height / 2 / std::tan(camera.fovYDegrees * 3.14159265358979323846 / 360);
+    v.near = camera.near > 0 ? camera.near : std::exp2(std::floor(std::log2(camera.focusDistance)) - 10);
+    v.right = camera.right;
+    v.down = -camera.up;
+    v.forward = camera.forward;
+    v.eye = camera.eye;
+    return v;
+}
+
+// Adjugate transpose times the sign of the determinant: proportional to the inverse transpose, defined for singular matrices too.
+// Scaled by a power of two so that its largest entry is in [0.5, 1).
+glm::dmat3 normalMatrix(const glm::dmat3& m, double determinant) {
+    glm::dmat3 c;
+    c[0] = glm::cross(m[1], m[2]);
+    c[1] = glm::cross(m[2], m[0]);
+    c[2] = glm::cross(m[0], m[1]);
+    double largest = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) largest = std::max(largest, std::abs(c[i][j]));
+    if (largest > 0) {
+        int exponent = 0;
+        std::frexp(largest, &exponent);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) c[i][j] = std::ldexp(c[i][j], -exponent) * (determinant < 0 ? -1 : 1);
+    }
+    return c;
+}
+
+gpu::ObjectRecord recordOf(const glm::dmat4& worldFromObject, const Pinhole& v) {
+    // Relative to the eye, in binary64, rounded once: the error scales with the distance to the camera, not to the origin.
+    glm::dmat4 m = worldFromObject;
+    m[3] -= glm::dvec4(v.eye, 0);
+    const auto row = [&](const glm::dvec3& axis, double scale) {
+        glm::dvec4 r;
+        for (int i = 0; i < 4; ++i) r[i] = scale * glm::dot(axis, glm::dvec3(m[i]));
+        return glm::vec4(r);
+    };
+    gpu::ObjectRecord o{};
+    o.rowX = row(v.right, v.focal);
+    o.rowY = row(v.down, v.focal);
+    o.rowW = row(v.forward, 1);
+    o.world0 = row({1, 0, 0}, 1);
+    o.world1 = row({0, 1, 0}, 1);
+    o.world2 = row({0, 0, 1}, 1);
+    const glm::dmat3 m3(m);
+    const glm::dmat3 n = normalMatrix(m3, glm::determinant(m3));
+    const auto normalRow = [&](int i) { return glm::vec4(float(n[0][i]), float(n[1][i]), float(n[2][i]), 0.0f); };
+    o.normal0 = normalRow(0);
+    o.normal1 = normalRow(1);
+    o.normal2 = normalRow(2);
+    return o;
+}
+
+// All eight corners of the box beyond one side of the view, by a margin that covers the rounding of the passes (a pixel).
+bool outsideView(const TriangleMesh& mesh, const glm::dmat4& worldFromObject, const Pinhole& v) {
+    int beyond[5] = {0, 0, 0, 0, 0};
+    for (int i = 0; i < 8; ++i) {
+        const glm::dvec3 corner(i & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, i & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
+                                i & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
+        const glm::dvec3 p = glm::dvec3(worldFromObject * glm::dvec4(corner, 1)) - v.eye;
+        const double x = glm::dot(v.right, p) * v.focal, y = glm::dot(v.down, p) * v.focal, w = glm::dot(v.forward, p);
+        const double halfX = v.width / 2 + 1, halfY = v.height / 2 + 1;
+        beyond[0] += w < v.near * (1 - 1e-6);
+        beyond[1] += x + halfX * w < -1e-5 * halfX * std::abs(w);
+        beyond[2] += halfX * w - x < -1e-5 * halfX * std::abs(w);
+        beyond[3] += y + halfY * w < -1e-5 * halfY * std::abs(w);
+        beyond[4] += halfY * w - y < -1e-5 * halfY * std::abs(w);
+    }
+    for (int side : beyond)
+        if (side == 8) return true;
+    return false;
+}
+
+bool isZero(const glm::vec3& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
+
+void checkFinite(const gpu::ObjectRecord& o, const std::string& name) {
+    const auto* f = reinterpret_cast<const float*>(&o);
+    for (size_t i = 0; i < sizeof o / sizeof(float); ++i)
+        if (!(std::abs(f[i]) <= 0x1p100f))
+            throw inputError(name, "its composite matrix exceeds 2^100: move the object or the camera, or change the scale");
+}
+
+void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinhole& view, std::vector<uint32_t>& materialSlot) {
+    const Object& object = scene.objects[index];
+    const TriangleMesh& mesh = scene.meshes[object.mesh];
+    DrawList::Range r;
+    r.sceneObject = index;
+    r.record = uint32_t(list.objects.size());
+    r.firstVertex = uint32_t(list.positions.size());
+    r.vertexCount = uint32_t(mesh.positions.size());
+    r.firstTriangle = uint32_t(list.triangles.size());
+    r.triangleCount = uint32_t(mesh.triangles.size());
+    r.firstFace = uint32_t(list.facePositions.size());
+    r.faceCount = uint32_t(mesh.faceCentre.size());
+    r.firstEdge = uint32_t(list.edges.size());
+    r.edgeCount = uint32_t(mesh.edges.size());
+    if (list.positions.size() + mesh.positions.size() > 0x7fffffffu || list.triangles.size() + mesh.triangles.size() > 0x7fffffffu)
+        throw inputError(scene.path, "the scene has more than 2^31 vertices or triangles");
+    list.objects.push_back(recordOf(object.worldFromObject, view));
+    checkFinite(list.objects.back(), object.name.empty() ? scene.path : object.name);
+    const auto slotOf = [&](uint32_t material) {
+        PLUMB_ASSERT(material < scene.materials.size());
+        uint32_t& slot = materialSlot[material];
+        if (slot == kNone) {
+            slot = uint32_t(list.materials.size());
+            const Material& m = scene.materials[material];
+            const glm::vec3 base = m.ambient * scene.ambient + m.emission;
+            list.materials.push_back({base, m.shininess, m.diffuse, m.shininess == 0 ? 1.0f : 0.0f, m.specular, 0.0f});
+        }
+        return slot;
+    };
+    for (size_t i = 0; i < mesh.positions.size(); ++i) {
+        list.positions.emplace_back(mesh.positions[i], 1.0f);
+        list.normals.emplace_back(mesh.normals[i], 0.0f);
+        list.vertexMaterial.push_back(slotOf(mesh.vertexMaterial[i]));
+    }
+    for (size_t f = 0; f < mesh.faceCentre.size(); ++f) {
+        list.facePositions.emplace_back(mesh.faceCentre[f], 1.0f);
+        list.faceNormals.emplace_back(mesh.faceNormal[f], 0.0f);
+        list.faceMaterial.push_back(slotOf(mesh.faceMaterial[f]));
+        list.facePrimitive.push_back(uint32_t(f));
+    }
+    // Front faces run counter-clockwise as seen in a right-handed world, clockwise in a left-handed one; a mirror swaps.
+    const bool swap = scene.leftHanded != (glm::determinant(glm::dmat3(object.worldFromObject)) < 0);
+    for (const TriangleMesh::Triangle& t : mesh.triangles) {
+        list.triangles.emplace_back(r.firstVertex + t.vertex[0], r.firstVertex + t.vertex[swap ? 2 : 1],
+                                    r.firstVertex + t.vertex[swap ? 1 : 2], slotOf(mesh.faceMaterial[t.face]));
+        list.triangleFace.push_back(r.firstFace + t.face);
+    }
+    for (const glm::uvec2& e : mesh.edges) list.edges.push_back(e + r.firstVertex);
+    list.ranges.push_back(r);
+}
+
+void planLights(const Scene& scene, const RenderRequest& request, const Pinhole& view, Prepared& p) {
+    for (const Light& light : scene.lights) {
+        if (isZero(light.intensity) && !request.keepEverything) {
+            p.plan.dropped.push_back({"light", "its intensity is 0"});
+            continue;
+        }
+        gpu::LightRecord l{};
+        l.intensity = light.intensity;
+        l.attenuation = float(int(light.attenuation));
+        l.kind = light.directional ? 0.0f : 1.0f;
+        l.place = light.directional ? glm::vec3(glm::normalize(light.direction)) : glm::vec3(light.position - view.eye);
+        p.list.lights.push_back(l);
+    }
+    bool diffuse = false, specular = false, point = false;
+    for (const gpu::MaterialRecord& m : p.list.materials) {
+        diffuse |= !isZero(m.diffuse);
+        specular |= !isZero(m.specular);
+    }
+    for (const gpu::LightRecord& l : p.list.lights) point |= l.kind != 0;
+    FillChoices& c = p.choices;
+    c.encoding = request.encoding == Encoding::srgb ? gpu::kEncodeSrgb : gpu::kEncodeLinear;
+    switch (request.shading) {
+        case Shading::wire:
+        case Shading::unlit: c.shading = gpu::kShadingUnlit; break;
+        case Shading::flat: c.shading = gpu::kShadingFlat; break;
+        case Shading::gouraud: c.shading = gpu::kShadingGouraud; break;
+        case Shading::phong: c.shading = gpu::kShadingPhong; break;
+    }
+    if (c.shading == gpu::kShadingUnlit) {
+        c.parts = {false, false, false};
+        p.list.lights.clear();
+        return;
+    }
+    if (request.keepEverything) return;
+    if (p.list.lights.empty() || (!diffuse && !specular)) {
+        p.plan.dropped.push_back({"illumination", p.list.lights.empty() ? "no light" : "no material reflects light"});
+        c.shading = gpu::kShadingUnlit;
+        c.parts = {false, false, false};
+        p.list.lights.clear();
+        for (gpu::MaterialRecord& m : p.list.materials) m.diffuse = m.base;
+        return;
+    }
+    c.parts = {diffuse, specular, point};
+    if (!diffuse) p.plan.dropped.push_back({"diffuse", "Kd is 0 everywhere"});
+    if (!specular) p.plan.dropped.push_back({"specular", "Ks is 0 everywhere"});
+    if (!point) p.plan.dropped.push_back({"surface position", "no point light"});
+    c.oneLight = p.list.lights.size() == 1;
+    c.oneMaterial = p.list.materials.size() == 1;
+}
+
+}  // namespace
+
+Prepared prepare(const Scene& scene, const RenderRequest& request) {
+    PLUMB_ASSERT(scene.camera.has_value());
+    Prepared p;
+    p.width = request.width;
+    p.height = request.height;
+    p.side = request.samples == 16 ? 4 : request.samples == 4 ? 2 : 1;
+    if (request.samples != 1 && request.samples != 4 && request.samples != 16) throw usageError("--samples takes 1, 4 or 16");
+    if (p.width == 0 || p.height == 0) throw usageError("--size: a picture needs at least 1x1 pixels");
+    const double width = double(p.width) * p.side, height = double(p.height) * p.side;
+    const double guard = 2.0 * gpu::kGuardPixels;
+    if ((width + guard) * (height + guard) >= 0x1p31 || width > 65536 || height > 65536)
+        throw usageError(fmt::format("--size: {}x{} with {} samples a pixel is beyond the exact grid: (width + 16384) (height + "
+                                     "16384) must stay below 2^31, each side at most 65536 samples",
+                                     p.width, p.height, request.samples));
+    const Pinhole view = pinholeOf(*scene.camera, width, height, p.side);
+    DrawList& list = p.list;
+    list.viewport = {float(width / 2), float(height / 2), float(width / 2) + gpu::kGuardPixels, float(height / 2) + gpu::kGuardPixels,
+                     float(view.near)};
+    list.frame = {int(width), int(height), 0, int(height)};
+    list.cullBackFaces = scene.cullBackFaces ? 1 : 0;
+    list.rayOrigin = glm::vec3(view.forward - view.right * (width / 2 / view.focal) - view.down * (height / 2 / view.focal));
+    list.rayX = glm::vec3(view.right / view.focal);
+    list.rayY = glm::vec3(view.down / view.focal);
+    std::vector<uint32_t> materialSlot(scene.materials.size(), kNone);
+    p.counters.objects = scene.objects.size();
+    for (uint32_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& object = scene.objects[i];
+        const TriangleMesh& mesh = scene.meshes[object.mesh];
+        p.counters.vertices += mesh.positions.size();
+        p.counters.triangles += mesh.triangles.size();
+        if (!request.keepEverything && outsideView(mesh, object.worldFromObject, view)) {
+            p.plan.dropped.push_back({fmt::format("object {}", object.name.empty() ? std::to_string(i) : object.name), "outside the view"});
+            continue;
+        }
+        appendObject(list, scene, i, view, materialSlot);
+    }
+    p.counters.objectsDrawn = list.ranges.size();
+    if (list.materials.empty()) list.materials.push_back({});
+    planLights(scene, request, view, p);
+    const float background[3] = {request.background.x, request.background.y, request.background.z};
+    p.backgroundLinear = request.background;
+    p.background = encodePixelCpu(p.choices.encoding, background, request.transparent ? 0 : 255);
+    Plan& plan = p.plan;
+    if (request.shading == Shading::wire) {
+        plan.passes = {"transform", "lines"};
+    } else {
+        plan.passes = {"transform", "cull", "setup", "clip", "bin", "fill"};
+        if (p.choices.shading == gpu::kShadingFlat || p.choices.shading == gpu::kShadingGouraud)
+            plan.passes.insert(plan.passes.begin() + 1, "illuminate");
+        plan.passes.push_back("shade");
+        if (p.choices.shading != gpu::kShadingPhong)
+            plan.dropped.push_back({"normals", "no pixel is shaded by its normal"});
+    }
+    if (p.side > 1) {
+        plan.passes.push_back("resolve");
+        plan.choices.push_back(fmt::format("{} samples a pixel: the frame is drawn at {}x{} and resolved in linear light", request.samples,
+                                           uint32_t(width), uint32_t(height)));
+    }
+    plan.passes.push_back("encode");
+    if (list.triangles.empty()) {
+        plan.dropped.push_back({"every pass", "nothing to draw"});
+        plan.passes = {"encode"};
+    }
+    plan.choices.push_back(fmt::format("near plane at {}", view.near));
+    return p;
+}
+
+Plan planRender(const Scene& scene, const RenderRequest& request) { return prepare(scene, request).plan; }
+
+PlaneWriter::PlaneWriter(const Prepared& prepared, uint32_t planes, Frame& frame)
+    : prepared_(prepared), planes_(planes), frame_(frame) {
+    restart();
+}
+
+void PlaneWriter::restart() {
+    const size_t pixels = size_t(prepared_.width) * prepared_.height;
+    const uint32_t planes = planes_;
+    Frame& frame = frame_;
+    frame.coveredPixels = 0;
+    const float infinity = std::numeric_limits<float>::infinity();
+    frame.width = prepared_.width;
+    frame.height = prepared_.height;
+    frame.rgba.assign(pixels, prepared_.background);
+    if (planes & kPlaneDepth) frame.depth.assign(pixels, infinity);
+    if (planes & kPlaneDistance) frame.distance.assign(pixels, infinity);
+    if (planes & kPlaneNormal) frame.normal.assign(3 * pixels, 0.0f);
+    if (planes & kPlaneObject) frame.object.assign(pixels, kNone);
+    if (planes & kPlanePrimitive) frame.primitive.assign(pixels, kNone);
+    if (planes & kPlaneZ) frame.z.assign(pixels, 0.0f);
+    if (planes & kPlaneTriangle) frame.triangle.assign(pixels, kNone);
+    if (planes & kPlaneLinear) frame.linear.assign(3 * pixels, 0.0f);
+}
+
+void PlaneWriter::write(uint32_t x, uint32_t y, int zBits, uint32_t triangle, const float* normal) {
+    if (zBits == 0) return;
+    const size_t at = size_t(y) * frame_.width + x;
+    const DrawList& list = prepared_.list;
+    const float z = gpu::realOf(zBits);
+    const float depth = list.viewport.near / z;
+    if (planes_ & kPlaneZ) frame_.z[at] = z;
+    if (planes_ & kPlaneDepth) frame_.depth[at] = depth;
+    if (planes_ & kPlaneDistance) {
+        const double side = prepared_.side, centre = prepared_.side == 1 ? 0.5 : prepared_.side / 2 + 0.5;
+        const double sx = x * side + centre, sy = y * side + centre;
+        const glm::dvec3 ray = glm::dvec3(list.rayOrigin) + glm::dvec3(list.rayX) * sx + glm::dvec3(list.rayY) * sy;
+        frame_.distance[at] = float(double(depth) * std::sqrt(glm::dot(ray, ray)));
+    }
+    if ((planes_ & kPlaneNormal) && normal) std::copy(normal, normal + 3, frame_.normal.begin() + ptrdiff_t(3 * at));
+    if (planes_ & kPlaneTriangle) frame_.triangle[at] = triangle;
+    if (planes_ & (kPlaneObject | kPlanePrimitive)) {
+        const auto holds = [&](const DrawList::Range& r) { return triangle >= r.firstTriangle && triangle < r.firstTriangle + r.triangleCount; };
+        if (!holds(list.ranges[range_])) {
+            range_ = 0;
+            while (!holds(list.ranges[range_])) ++range_;
+        }
+        if (planes_ & kPlaneObject) frame_.object[at] = list.ranges[range_].sceneObject;
+        if (planes_ & kPlanePrimitive) frame_.primitive[at] = list.facePrimitive[list.triangleFace[triangle]];
+    }
+}
+
+}  // namespace plumb

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// From a scene and a request to what the passes take, and the plan that says what was left out and why.
+#pragma once
+
+#include "pipeline/passes/fill.h"
+#include "pipeline/render/render.h"
+
+namespace plumb {
+
+struct Prepared {
+    DrawList list;
+    FillChoices choices;          // planes, prior, wide and colour are set by the renderers
+    uint32_t width = 0, height = 0, side = 1;   // picture; samples a pixel = side * side
+    uint32_t background = 0;      // encoded
+    glm::vec3 backgroundLinear{0};
+    Plan plan;
+    RenderCounters counters;      // objects, vertices, triangles
+};
+
+// Throws Error(input) for what no pass can draw (a frame or a scene beyond the stated limits).
+Prepared prepare(const Scene& scene, const RenderRequest& request);
+
+// Depth, distance, object and primitive planes from z and triangle; the same host code for device and twin.
+// `pixel` indexes the frame; z, triangle and normal are of the sample that stands for the pixel (side / 2, side / 2).
+class PlaneWriter {
+public:
+    PlaneWriter(const Prepared& prepared, uint32_t planes, Frame& frame);
+    void restart();               // everything as if nothing were drawn
+    void write(uint32_t x, uint32_t y, int zBits, uint32_t triangle, const float* normal);
+
+private:
+    const Prepared& prepared_;
+    uint32_t planes_;
+    Frame& frame_;
+    size_t range_ = 0;
+};
+
+}  // namespace plumb

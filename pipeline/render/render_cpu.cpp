@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+// The twin draws: the whole list at once, the frame in bands of rows to bound memory.
+#include "pipeline/passes/encode.h"
+#include "pipeline/passes/parallel.h"
+#include "pipeline/passes/resolve.h"
+#include "pipeline/render/stopwatch.h"
+#include "pipeline/render/twin_frame.h"
+#include "pipeline/render/wire.h"
+
+#include <bit>
+
+namespace plumb {
+
+namespace {
+
+// Samples of a band held at once: 20 bytes each with linear colour.
+constexpr uint64_t kTwinBandSamples = uint64_t(1) << 25;
+
+void countGeometry(const TwinGeometry& g, RenderCounters& c) {
+    c.culledBackFace = g.places.backFacing;
+    c.culledZeroArea = g.places.zeroArea;
+    c.culledOutside = g.places.outside;
+    c.clipped = g.places.jobs.size();
+    c.drawnTriangles = g.places.drawn;
+    for (uint32_t kind : g.clipKinds) c.drawnTriangles += kind >> 1;
+}
+
+}  // namespace
+
+RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
+    const Stopwatch total(nullptr, "");
+    const uint32_t threads = threadCount(request.threads);
+    Prepared p = prepare(scene, request);
+    RenderResult result;
+    result.plan = p.plan;
+    result.counters = p.counters;
+    PlaneWriter writer(p, request.planes, result.frame);
+    const DrawList& list = p.list;
+    const uint32_t side = p.side;
+    if (request.shading == Shading::wire) {
+        drawWireCpu(p, request, result);
+        result.totalMs = total.elapsedMs();
+        return result;
+    }
+    const bool wantNormal = request.planes & kPlaneNormal;
+    const TwinGeometry g = twinGeometry(list, p.choices, false, threads, &result.times);
+    // The normal plane of a picture that is not shaded by normals: the same vertices, carrying normals.
+    const TwinGeometry withNormals = wantNormal && p.choices.shading != gpu::kShadingPhong
+                                         ? twinGeometry(list, p.choices, true, threads, nullptr)
+                                         : TwinGeometry{};
+    countGeometry(g, result.counters);
+    uint32_t bandRows = uint32_t(std::max<uint64_t>(side, kTwinBandSamples / uint64_t(list.frame.width) / side * side));
+    if (request.bandRows) bandRows = request.bandRows * side;
+    bandRows = std::min(bandRows, uint32_t(list.frame.height));
+    std::vector<int> z;
+    std::vector<uint32_t> draw;
+    std::vector<float> linear, normal, resolved;
+    const float background[3] = {request.background.x, request.background.y, request.background.z};
+    for (uint32_t firstRow = 0; firstRow < uint32_t(list.frame.height); firstRow += bandRows) {
+        if (request.onProgress && !request.onProgress(double(firstRow) / list.frame.height)) throw Error(Exit::interrupted, "interrupted");
+        gpu::FrameBox band = list.frame;
+        band.firstRow = int(firstRow);
+        band.rows = int(std::min(bandRows, uint32_t(list.frame.height) - firstRow));
+        const size_t samples = size_t(band.width) * size_t(band.rows);
+        z.resize(samples);
+        draw.resize(samples);
+        linear.resize(3 * samples);
+        normal.assign(wantNormal ? 3 * samples : 0, 0.0f);
+        {
+            const Stopwatch watch(&result.times, "fill");
+            fillCpu(band, g.draws, g.screen, z, draw, threads);
+        }
+        {
+            const Stopwatch watch(&result.times, "shade");
+            for (size_t i = 0; i < samples; ++i)
+                if (!draw[i]) std::copy(background, background + 3, linear.begin() + ptrdiff_t(3 * i));
+            const bool flat = p.choices.shading == gpu::kShadingFlat, phong = p.choices.shading == gpu::kShadingPhong;
+            shadeCpu(band, list, p.choices, g.draws, g.screen, flat ? g.faceColours : g.carried, z, draw, linear,
+                     phong ? std::span<float>(normal) : std::span<float>(), threads);
+            if (wantNormal && !phong) {
+                FillChoices choices = p.choices;
+                choices.shading = gpu::kShadingPhong;
+                std::vector<float> unused(linear.size());
+                shadeCpu(band, list, choices, g.draws, g.screen, withNormals.carried, z, draw, unused, normal, threads);
+            }
+        }
+        const uint32_t rows = uint32_t(band.rows) / side, firstPixelRow = firstRow / side;
+        const size_t first = size_t(firstPixelRow) * p.width, pixels = size_t(rows) * p.width;
+        const Stopwatch watch(&result.times, side > 1 ? "resolve" : "encode");
+        std::span<uint32_t> rgba(result.frame.rgba.data() + first, pixels);
+        resolved.resize(side > 1 ? 3 * pixels : 0);
+        if (side > 1) {
+            resolveCpu(p.width, rows, side, request.transparent, p.choices.encoding, linear, z, resolved, rgba, threads);
+        } else {
+            parallelBands(pixels, 4096, threads, [&](uint64_t begin, uint64_t end) {
+                for (uint64_t i = begin; i < end; ++i)
+                    if (draw[i]) rgba[i] = encodePixelCpu(p.choices.encoding, &linear[3 * i], 255);
+            });
+        }
+        if (request.planes & kPlaneLinear)
+            std::copy_n((side > 1 ? resolved : linear).begin(), 3 * pixels, result.frame.linear.begin() + ptrdiff_t(3 * first));
+        for (uint32_t y = 0; y < rows; ++y)
+            for (uint32_t x = 0; x < p.width; ++x) {
+                bool covered = false;
+                for (uint32_t k = 0; k < side * side; ++k)
+                    covered |= draw[size_t(y * side + k / side) * size_t(band.width) + x * side + k % side] != 0;
+                result.frame.coveredPixels += covered;
+                const size_t at = size_t(y * side + side / 2) * size_t(band.width) + x * side + side / 2;
+                if (draw[at])
+                    writer.write(x, firstPixelRow + y, z[at], g.draws[draw[at] - 1].source, wantNormal ? &normal[3 * at] : nullptr);
+            }
+        for (uint32_t d : draw) result.counters.illuminations += d != 0;
+        ++result.counters.bands;
+    }
+    if (p.choices.shading == gpu::kShadingFlat) result.counters.illuminations = list.facePositions.size();
+    if (p.choices.shading == gpu::kShadingGouraud) result.counters.illuminations = list.positions.size();
+    if (p.choices.shading == gpu::kShadingUnlit) result.counters.illuminations = 0;
+    result.counters.chunks = 1;
+    result.totalMs = total.elapsedMs();
+    return result;
+}
+
+}  // namespace plumb

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+// Compares device and twin twice: each pass on the twin's input, and the whole chain on each side's own output.
+#include "pipeline/render/gpu_frame.h"
+#include "pipeline/scene/sha256.h"
+#include "pipeline/render/twin_frame.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+
+namespace plumb {
+
+namespace {
+
+// Distance in representable floats; the sign bit is folded so that -0 and +0 are 0 apart.
+uint64_t ulpDistance(float a, float b) {
+    const auto ordered = [](float f) {
+        const int64_t i = std::bit_cast<int32_t>(f);
+        return i < 0 ? int64_t(INT32_MIN) - i : i;
+    };
+    return uint64_t(std::abs(ordered(a) - ordered(b)));
+}
+
+template <class T>
+std::string hashOf(const std::vector<T>& v) {
+    return sha256Hex(std::as_bytes(std::span<const T>(v)));
+}
+
+// First differing element of two arrays of plain structs, or -1.
+template <class T>
+int64_t firstDifference(std::span<const T> want, std::span<const T> got) {
+    if (want.size() != got.size()) return int64_t(std::min(want.size(), got.size()));
+    for (size_t i = 0; i < want.size(); ++i)
+        if (std::memcmp(&want[i], &got[i], sizeof(T)) != 0) return int64_t(i);
+    return -1;
+}
+
+template <class T>
+std::string wordsOf(const T& value) {
+    std::string text;
+    const auto* words = reinterpret_cast<const uint32_t*>(&value);
+    for (size_t i = 0; i < sizeof(T) / 4; ++i) text += fmt::format("{}{:08x}", i ? " " : "", words[i]);
+    return text;
+}
+
+class Verifier {
+public:
+    Verifier(Device& device, const Scene& scene, const RenderRequest& request) : device_(device), scene_(scene), request_(request) {}
+
+    VerifyReport run() {
+        if (request_.shading != Shading::wire) passes();
+        chain();
+        report_.equal = report_.mismatches.empty();
+        return std::move(report_);
+    }
+
+private:
+    template <class T>
+    void compare(const char* pass, const char* element, std::span<const T> want, std::span<const T> got) {
+        const int64_t at = firstDifference(want, got);
+        auto entry = std::find_if(report_.passes.begin(), report_.passes.end(), [&](const auto& p) { return p.first == pass; });
+        if (entry == report_.passes.end()) entry = report_.passes.insert(report_.passes.end(), {pass, true});
+        if (at < 0) return;
+        entry->second = false;
+        std::string what = fmt::format("{} {}: ", element, at);
+        if (size_t(at) < want.size() && size_t(at) < got.size())
+            what += fmt::format("twin has words {}, device has {}", wordsOf(want[size_t(at)]), wordsOf(got[size_t(at)]));
+        else
+            what += fmt::format("twin has {} of them, device has {}", want.size(), got.size());
+        report_.mismatches.push_back({pass, false, what});
+    }
+
+    // One chunk (the whole list where it fits), one band at a time is enough: chunks and bands are compared by the chain.
+    void passes() {
+        const Prepared p = prepare(scene_, request_);
+        if (p.list.triangles.empty()) return;
+        GpuFrame frame(device_, p, request_.watchdogMs);
+        const uint32_t count = uint32_t(std::min<uint64_t>(frame.chunkTriangles(), p.list.triangles.size()));
+        const DrawList list = chunkOf(p.list, 0, count);
+        const TwinGeometry twin = twinGeometry(list, p.choices, false, 0, nullptr);
+        const size_t vertices = list.positions.size();
+        frame.upload(list);
+        frame.transformAndCull(false);
+        compare<gpu::ScreenVertex>("transform", "vertex", std::span(twin.screen).first(vertices), frame.screen().first(vertices));
+        if (p.choices.shading == gpu::kShadingPhong)
+            compare<glm::vec4>("transform", "normal of vertex", std::span(twin.carried).first(vertices), frame.carried().first(vertices));
+        if (p.choices.shading == gpu::kShadingGouraud)
+            compare<glm::vec4>("illuminate", "colour of vertex", std::span(twin.carried).first(vertices), frame.carried().first(vertices));
+        if (p.choices.shading == gpu::kShadingFlat)
+            compare<glm::vec4>("illuminate", "colour of face", twin.faceColours, frame.faceColours().first(twin.faceColours.size()));
+        compare<gpu::CullRecord>("cull", "32 triangles", twin.records, frame.records().first(twin.records.size()));
+        // From here on the device reads the twin's vertices and records.
+        std::copy_n(twin.screen.begin(), vertices, frame.screen().begin());
+        std::copy_n(twin.carried.begin(), vertices, frame.carried().begin());
+        std::copy(twin.records.begin(), twin.records.end(), frame.records().begin());
+        frame.setup();
+        compare<gpu::DrawTriangle>("setup", "drawn triangle", twin.draws, frame.draws().first(twin.draws.size()));
+        // A clip job owns 8 corners and uses those that its fan names.
+        std::vector<gpu::ScreenVertex> wantCorners, gotCorners;
+        std::vector<glm::vec4> wantCarried, gotCarried;
+        for (const gpu::DrawTriangle& d : twin.draws)
+            for (uint32_t v : d.vertex)
+                if (v >= vertices && d.vertex[0] != d.vertex[1]) {
+                    wantCorners.push_back(twin.screen[v]);
+                    gotCorners.push_back(frame.screen()[v]);
+                    wantCarried.push_back(twin.carried[v]);
+                    gotCarried.push_back(frame.carried()[v]);
+                }
+        compare<gpu::ScreenVertex>("clip", "clipped corner", wantCorners, gotCorners);
+        if (p.choices.shading >= gpu::kShadingGouraud) compare<glm::vec4>("clip", "carried by clipped corner", wantCarried, gotCarried);
+        gpu::FrameBox band = list.frame;
+        const uint32_t planes = gpu::kFillPlaneZ | gpu::kFillPlaneTriangle | gpu::kFillPlaneLinear;
+        const uint32_t bandRows = std::min(frame.bandRows(planes), uint32_t(list.frame.height));
+        for (uint32_t firstRow = 0; firstRow < uint32_t(list.frame.height); firstRow += bandRows) {
+            band.firstRow = int(firstRow);
+            band.rows = int(std::min(bandRows, uint32_t(list.frame.height) - firstRow));
+            verifyBand(frame, p, list, twin, band, planes);
+        }
+    }
+
+    void verifyBand(GpuFrame& frame, const Prepared& p, const DrawList& list, const TwinGeometry& twin, const gpu::FrameBox& band,
+                    uint32_t planes) {
+        frame.beginBand(band, planes);
+        try {
+            frame.bin();
+        } catch (const TooLarge&) {
+            return;  // the chain draws this one in chunks
+        }
+        FillChoices choices = p.choices;
+        choices.write = planes;
+        frame.fill(choices);
+        const TileLists want = binCpu(frame.binPush(), twin.draws, twin.screen);
+        compare<uint32_t>("bin", "entries of tile", want.counts, frame.tileCounts());
+        if (want.entries.size() == frame.binEntries()) {
+            std::vector<uint32_t> got(frame.entries().begin(), frame.entries().begin() + ptrdiff_t(want.entries.size()));
+            size_t first = 0;
+            for (uint32_t count : want.counts) {  // sets: the order within a list is free
+                std::sort(got.begin() + ptrdiff_t(first), got.begin() + ptrdiff_t(first + count));
+                first += count;
+            }
+            compare<uint32_t>("bin", "list entry", want.entries, got);
+        }
+        const size_t samples = size_t(band.width) * size_t(band.rows);
+        std::vector<int> z(samples);
+        std::vector<uint32_t> draw(samples);
+        std::vector<float> linear(3 * samples);
+        fillCpu(band, twin.draws, twin.screen, z, draw, 0);
+        for (size_t i = 0; i < samples; ++i)
+            if (!draw[i]) std::copy_n(&p.backgroundLinear[0], 3, linear.begin() + ptrdiff_t(3 * i));
+        shadeCpu(band, list, p.choices, twin.draws, twin.screen, p.choices.shading == gpu::kShadingFlat ? twin.faceColours : twin.carried, z,
+                 draw, linear, {}, 0);
+        for (size_t at = 0; at < samples; ++at) {
+            const size_t x = at % size_t(band.width), y = at / size_t(band.width);
+            const size_t word = y * frame.rowPixels() + x;
+            const int gotZ = int(frame.plane(0)[word]);
+            const uint32_t gotTriangle = frame.plane(1)[word];
+            const uint32_t wantTriangle = draw[at] ? twin.draws[draw[at] - 1].source + list.firstTriangle : gpu::kNoTriangle;
+            if (gotZ != z[at] || gotTriangle != wantTriangle) {
+                failPixel("fill", band, x, y,
+                          fmt::format("twin has triangle {} at z {} ({:08x}), device has {} at z {} ({:08x}), {} ULP", int(wantTriangle),
+                                      gpu::realOf(z[at]), uint32_t(z[at]), int(gotTriangle), gpu::realOf(gotZ), uint32_t(gotZ),
+                                      ulpDistance(gpu::realOf(z[at]), gpu::realOf(gotZ))));
+                return;
+            }
+            for (uint32_t i = 0; i < 3; ++i) {
+                const float got = gpu::realOf(int(frame.plane(2 + i)[word])), wanted = linear[3 * at + i];
+                if (!std::isfinite(got) || !std::isfinite(wanted) || std::memcmp(&got, &wanted, 4) != 0) {
+                    failPixel("shade", band, x, y,
+                              fmt::format("{} of triangle {}: twin has {} ({:08x}), device has {} ({:08x}), {} ULP", "RGB"[i], int(wantTriangle),
+                                          wanted, std::bit_cast<uint32_t>(wanted), got, std::bit_cast<uint32_t>(got), ulpDistance(wanted, got)));
+                    return;
+                }
+            }
+        }
+        for (const char* pass : {"fill", "shade"})
+            if (std::none_of(report_.passes.begin(), report_.passes.end(), [&](const auto& e) { return e.first == pass; }))
+                report_.passes.push_back({pass, true});
+    }
+
+    void failPixel(const char* pass, const gpu::FrameBox& band, size_t x, size_t y, const std::string& what) {
+        y += size_t(band.firstRow);
+        report_.passes.push_back({pass, false});
+        report_.mismatches.push_back({pass, false, fmt::format("tile ({}, {}), sample ({}, {}): {}", x / gpu::kTileWidth, y / gpu::kTileHeight, x, y, what)});
+    }
+
+    template <class T>
+    void comparePlane(const char* name, const std::vector<T>& twin, const std::vector<T>& device, uint32_t channels) {
+        VerifyPlane plane{name, hashOf(twin), hashOf(device), 0};
+        int64_t first = -1;
+        bool finite = true;
+        for (size_t i = 0; i < twin.size(); ++i) {
+            bool bad = std::memcmp(&twin[i], &device[i], sizeof(T)) != 0;
+            if constexpr (std::is_same_v<T, float>) {
+                if (std::isnan(twin[i]) || std::isnan(device[i])) bad = true, finite = false;
+            }
+            if (!bad) continue;
+            ++plane.differing;
+            if (first < 0) first = int64_t(i);
+        }
+        report_.planes.push_back(plane);
+        if (first < 0) return;
+        const size_t pixel = size_t(first) / channels, width = report_.twin.frame.width;
+        const size_t x = pixel % width, y = pixel / width;
+        std::string values = fmt::format("twin has {}, device has {}", twin[size_t(first)], device[size_t(first)]);
+        if constexpr (std::is_same_v<T, float>)
+            values += fmt::format(", {} ULP{}", ulpDistance(twin[size_t(first)], device[size_t(first)]), finite ? "" : "; not a number");
+        report_.mismatches.push_back({name, true,
+                                      fmt::format("tile ({}, {}), pixel ({}, {}): {}; object {}, primitive {}; {} values differ", x / gpu::kTileWidth,
+                                                  y / gpu::kTileHeight, x, y, values, int(report_.twin.frame.object[pixel]),
+                                                  int(report_.twin.frame.primitive[pixel]), plane.differing)});
+    }
+
+    void chain() {
+        RenderRequest request = request_;
+        request.planes |= kPlaneLinear | kPlaneObject | kPlanePrimitive | kPlaneZ | kPlaneTriangle;
+        if (request.shading == Shading::wire) request.planes = kPlaneColour | kPlaneObject | kPlanePrimitive;
+        report_.twin = renderCpu(scene_, request);
+        report_.device = renderGpu(device_, scene_, request);
+        const Frame &t = report_.twin.frame, &d = report_.device.frame;
+        const auto coverage = [](const Frame& f) {
+            std::vector<uint32_t> c(f.object.size());
+            for (size_t i = 0; i < c.size(); ++i) c[i] = f.object[i] != kNone;
+            return c;
+        };
+        comparePlane("coverage", coverage(t), coverage(d), 1);
+        comparePlane("triangle", t.triangle, d.triangle, 1);
+        comparePlane("object_id", t.object, d.object, 1);
+        comparePlane("primitive_id", t.primitive, d.primitive, 1);
+        comparePlane("z", t.z, d.z, 1);
+        comparePlane("linear", t.linear, d.linear, 3);
+        comparePlane("colour", t.rgba, d.rgba, 1);
+        const RenderCounters &a = report_.twin.counters, &b = report_.device.counters;
+        const std::pair<const char*, std::pair<uint64_t, uint64_t>> counts[] = {
+            {"drawn triangles", {a.drawnTriangles, b.drawnTriangles}}, {"back-facing", {a.culledBackFace, b.culledBackFace}},
+            {"zero area", {a.culledZeroArea, b.culledZeroArea}},       {"outside", {a.culledOutside, b.culledOutside}},
+            {"clipped", {a.clipped, b.clipped}},                       {"illuminations", {a.illuminations, b.illuminations}},
+            {"covered pixels", {t.coveredPixels, d.coveredPixels}}};
+        for (const auto& [name, values] : counts)
+            if (values.first != values.second)
+                report_.mismatches.push_back({"counters", true, fmt::format("{}: twin counts {}, device {}", name, values.first, values.second)});
+    }
+
+    Device& device_;
+    const Scene& scene_;
+    RenderRequest request_;
+    VerifyReport report_;
+};
+
+}  // namespace
+
+VerifyReport verifyRender(Device& device, const Scene& scene, const RenderRequest& request) {
+    return Verifier(device, scene, request).run();
+}
+
+}  // namespace plumb

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/render/wire.h"
+
+#include "pipeline/passes/encode.h"
+#include "pipeline/passes/lines.h"
+#include "pipeline/passes/resolve.h"
+#include "pipeline/render/stopwatch.h"
+
+#include <fmt/format.h>
+
+namespace plumb {
+
+namespace {
+
+gpu::LinesPush linesPush(const Prepared& p, const DrawList::Range& r) {
+    gpu::LinesPush push{};
+    push.firstEdge = r.firstEdge;
+    push.edgeNumber = r.firstEdge;
+    push.edgeCount = r.edgeCount;
+    push.object = r.record;
+    push.width = p.list.frame.width;
+    push.height = p.list.frame.height;
+    push.rows = p.list.frame.height;
+    push.rowPixels = uint32_t(p.list.frame.width);
+    push.viewport = p.list.viewport;
+    push.viewport.guardX = p.list.viewport.centreX + 1.0f;
+    push.viewport.guardY = p.list.viewport.centreY + 1.0f;
+    return push;
+}
+
+void checkSize(const Prepared& p) {
+    if (p.list.frame.width > gpu::kLineFrameLimit || p.list.frame.height > gpu::kLineFrameLimit)
+        throw usageError(fmt::format("--shading wire draws at most {0}x{0} samples", gpu::kLineFrameLimit));
+}
+
+// Owner -> diffuse colour of the edge's material; samples are resolved in linear light.
+void finishWire(const Prepared& p, const RenderRequest& request, std::span<const uint32_t> owners, RenderResult& result) {
+    Frame& out = result.frame;
+    out.width = p.width;
+    out.height = p.height;
+    const size_t pixels = size_t(p.width) * p.height;
+    std::vector<float> linear(3 * owners.size());
+    std::vector<int> covered(owners.size());
+    for (size_t i = 0; i < owners.size(); ++i) {
+        covered[i] = owners[i] != gpu::kNoEdge;
+        const glm::vec3 c = covered[i] ? p.list.materials[p.list.vertexMaterial[p.list.edges[owners[i]].x]].diffuse : p.backgroundLinear;
+        for (int k = 0; k < 3; ++k) linear[3 * i + size_t(k)] = c[k];
+    }
+    std::vector<float> resolved(3 * pixels);
+    out.rgba.assign(pixels, p.background);
+    resolveCpu(p.width, p.height, p.side, request.transparent, p.choices.encoding, linear, covered, resolved, out.rgba, request.threads);
+    if (request.planes & kPlaneLinear) out.linear = resolved;
+    if (request.planes & kPlaneObject) out.object.assign(pixels, kNone);
+    if (request.planes & kPlanePrimitive) out.primitive.assign(pixels, kNone);  // an edge belongs to no single face
+    for (uint32_t y = 0; y < p.height; ++y)
+        for (uint32_t x = 0; x < p.width; ++x) {
+            bool any = false;
+            for (uint32_t k = 0; k < p.side * p.side; ++k)
+                any |= covered[size_t(y * p.side + k / p.side) * size_t(p.list.frame.width) + x * p.side + k % p.side] != 0;
+            out.coveredPixels += any;
+            if (!(request.planes & kPlaneObject)) continue;
+            const uint32_t edge = owners[size_t(y * p.side + p.side / 2) * size_t(p.list.frame.width) + x * p.side + p.side / 2];
+            if (edge == gpu::kNoEdge) continue;
+            for (const DrawList::Range& r : p.list.ranges)
+                if (edge >= r.firstEdge && edge < r.firstEdge + r.edgeCount) out.object[size_t(y) * p.width + x] = r.sceneObject;
+        }
+    result.counters.edges = p.list.edges.size();
+    result.counters.bands = result.counters.chunks = 1;
+}
+
+}  // namespace
+
+void drawWireCpu(const Prepared& p, const RenderRequest& request, RenderResult& result) {
+    checkSize(p);
+    std::vector<uint32_t> owners(size_t(p.list.frame.width) * size_t(p.list.frame.height), gpu::kNoEdge);
+    {
+        const Stopwatch watch(&result.times, "lines");
+        for (const DrawList::Range& r : p.list.ranges)
+            linesCpu(linesPush(p, r), p.list.edges, p.list.positions, p.list.objects, owners);
+    }
+    finishWire(p, request, owners, result);
+}
+
+void drawWireGpu(Device& device, const Prepared& p, const RenderRequest& request, RenderResult& result) {
+    checkSize(p);
+    const DeviceLimits& limits = device.limits();
+    const Specialization exact{{0, device.selfTest().nativeDivideIsExact}, {1, device.selfTest().nativeRootIsExact}};
+    Recorder recorder(device);
+    const uint64_t pitch = uint64_t(p.list.frame.width);
+    std::vector<uint32_t> all(size_t(pitch) * size_t(p.list.frame.height), gpu::kNoEdge);
+    Buffer<gpu::ObjectRecord> objects(device, std::max<size_t>(1, p.list.objects.size()), "objects");
+    objects.upload(p.list.objects);
+    uint64_t bandRows = std::max<uint64_t>(1, std::min(limits.storageRangeBytes / 4, limits.texelElements) / pitch);
+    if (request.bandRows) bandRows = std::min<uint64_t>(bandRows, request.bandRows);
+    // Edges in chunks, each with the vertices that its edges name.
+    uint64_t chunkEdges = std::max<uint64_t>(1, std::min(limits.storageRangeBytes / 32, limits.texelElements / 2));
+    if (request.chunkTriangles) chunkEdges = std::min(chunkEdges, request.chunkTriangles);
+    for (uint64_t firstRow = 0; firstRow < uint64_t(p.list.frame.height); firstRow += bandRows) {
+        const uint64_t rows = std::min(bandRows, uint64_t(p.list.frame.height) - firstRow);
+        Buffer<uint32_t> owners(device, rows * pitch, "edge owners");
+        owners.fill(gpu::kNoEdge);
+        for (const DrawList::Range& r : p.list.ranges)
+            for (uint64_t first = 0; first < r.edgeCount; first += chunkEdges) {
+                const uint64_t count = std::min<uint64_t>(chunkEdges, r.edgeCount - first);
+                Buffer<glm::uvec2> edges(device, count, "edges");
+                Buffer<glm::vec4> positions(device, 2 * count, "edge ends");
+                for (uint64_t i = 0; i < count; ++i) {
+                    const glm::uvec2 e = p.list.edges[r.firstEdge + first + i];
+                    positions.span()[2 * i] = p.list.positions[e.x];
+                    positions.span()[2 * i + 1] = p.list.positions[e.y];
+                    edges.span()[i] = {uint32_t(2 * i), uint32_t(2 * i + 1)};
+                }
+                gpu::LinesPush push = linesPush(p, r);
+                push.firstEdge = 0;
+                push.edgeCount = uint32_t(count);
+                push.edgeNumber = uint32_t(r.firstEdge + first);
+                push.firstRow = int(firstRow);
+                push.rows = int(rows);
+                recordLines(recorder, push, exact, edges, positions, objects, owners);
+                recorder.run(request.watchdogMs);
+            }
+        std::copy_n(owners.span().begin(), rows * pitch, all.begin() + ptrdiff_t(firstRow * pitch));
+    }
+    result.times = recorder.takeTimes();
+    finishWire(p, request, all, result);
+}
+
+}  // namespace plumb

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// Contract of the cull and clip passes: which triangles are drawn, and as what.
+// A triangle is culled when all its vertices are outside one plane, when no pixel centre lies in its box, when its
+// integer area is zero (counted) or negative (it shows its back). With a vertex outside a plane it is clipped: plane by
+// plane, always computed from the inside vertex, so both owners of an edge compute the same bits and no crack opens.
+#ifndef PLUMB_CULL_H
+#define PLUMB_CULL_H
+#include "transform.h"
+SHARED_BEGIN
+
+SHARED_CONST uint kClipFan = 6u;        // a triangle cut by five planes has at most 8 corners: 6 triangles
+SHARED_CONST uint kClipCorners = 8u;
+SHARED_CONST uint kTrianglesPerLane = 32u;
+SHARED_CONST int kSmallTiles = 32;      // a triangle whose box touches more tiles is binned row by row
+SHARED_CONST int kTileWidth = 16;
+SHARED_CONST int kTileHeight = 8;
+
+struct FrameBox {
+    int width, height;                  // of the frame in pixels (samples when supersampled)
+    int firstRow, rows;                 // of the band
+};
+
+// One word a class for 32 triangles.
+struct CullRecord {
+    uint drawn;                         // bit t: drawn as it is
+    uint clip;                          // bit t: to be clipped
+    uint large;                         // bit t, subset of drawn: binned row by row
+    uint wide;                          // bit t, subset of drawn: needs the 64-bit set-up
+    uint backFacing, zeroArea, outside; // bits, for the counters
+};
+
+struct CullPush {
+    uint statusSlot;
+    uint triangleCount;
+    uint cullBackFaces;
+    FrameBox frame;
+};
+
+struct DrawTriangle {
+    uint vertex[3];                     // lowest (y, x) first, then counter-clockwise as seen
+    uint source;                        // triangle of the chunk
+};
+
+SHARED_CONST uint kOutside = 0u;
+SHARED_CONST uint kBackFacing = 1u;
+SHARED_CONST uint kZeroArea = 2u;
+SHARED_CONST uint kDrawn = 3u;
+SHARED_CONST uint kClip = 4u;
+
+// Sign of a b - c d, exact for |values| < 2^31: -1, 0 or 1.
+#ifdef __cplusplus
+inline int signOfDifference(int a, int b, int c, int d) {
+    const std::int64_t left = std::int64_t(a) * b, right = std::int64_t(c) * d;
+    return left > right ? 1 : left < right ? -1 : 0;
+}
+#else
+int signOfDifference(int a, int b, int c, int d) {
+    int highL, lowL, highR, lowR;
+    imulExtended(a, b, highL, lowL);
+    imulExtended(c, d, highR, lowR);
+    bool equalWords = highL == highR && lowL == lowR;
+    bool greater = highL > highR || (highL == highR && uint(lowL) > uint(lowR));
+    return equalWords ? 0 : greater ? 1 : -1;
+}
+#endif
+
+// Twice the area of a triangle that faces the viewer is positive.
+SHARED_FN int facing(ivec2 p0, ivec2 p1, ivec2 p2) {
+    return signOfDifference(p1.y - p0.y, p2.x - p0.x, p1.x - p0.x, p2.y - p0.y);
+}
+
+SHARED_FN ivec2 lowest(ivec2 a, ivec2 b, ivec2 c) { return min(min(a, b), c); }
+SHARED_FN ivec2 highest(ivec2 a, ivec2 b, ivec2 c) { return max(max(a, b), c); }
+
+// kDrawn, kBackFacing, kZeroArea or kOutside for a triangle inside every plane. `rows` of the frame, not of the band.
+SHARED_FN uint classify(ivec2 p0, ivec2 p1, ivec2 p2, FrameBox frame, uint cullBackFaces) {
+    ivec2 low = lowest(p0, p1, p2);
+    ivec2 high = highest(p0, p1, p2);
+    bool outside = lastPixel(high.x) < 0 || lastPixel(high.y) < 0 || firstPixel(low.x) >= frame.width ||
+                   firstPixel(low.y) >= frame.height || firstPixel(low.x) > lastPixel(high.x) ||
+                   firstPixel(low.y) > lastPixel(high.y);
+    int sign = facing(p0, p1, p2);
+    uint kind = pick(outside, kOutside, kDrawn);
+    kind = pick(sign < 0 && cullBackFaces != 0u, kBackFacing, kind);
+    return pick(sign == 0, kZeroArea, kind);
+}
+
+SHARED_FN int tilesInBox(ivec2 p0, ivec2 p1, ivec2 p2, FrameBox frame) {
+    ivec2 low = lowest(p0, p1, p2);
+    ivec2 high = highest(p0, p1, p2);
+    int x0 = max(firstPixel(low.x), 0) / kTileWidth;
+    int x1 = min(lastPixel(high.x), frame.width - 1) / kTileWidth;
+    int y0 = max(firstPixel(low.y), 0) / kTileHeight;
+    int y1 = min(lastPixel(high.y), frame.height - 1) / kTileHeight;
+    return (x1 - x0 + 1) * (y1 - y0 + 1);
+}
+
+// The order of a drawn triangle's corners: counter-clockwise as seen, lowest (y, x) first, so that everything after it is
+// the same whichever corner the file names first.
+SHARED_FN bool before(ivec2 a, ivec2 b) { return a.y < b.y || (a.y == b.y && a.x < b.x); }
+SHARED_FN uint firstCorner(ivec2 p0, ivec2 p1, ivec2 p2) {
+    uint first = pick(before(p1, p0), 1u, 0u);
+    bool second = before(p2, p0) && before(p2, p1);
+    return pick(second, 2u, first);
+}
+
+// Where the edge from an inside vertex to an outside one meets a plane; distances inside >= 0 > outside.
+SHARED_FN ClipVertex intersect(int plane, ClipVertex inside, ClipVertex outside, float dInside, float dOutside, Viewport v) {
+    float t = exactDivide(dInside, dInside - dOutside);
+    ClipVertex r;
+    r.x = inside.x + t * (outside.x - inside.x);
+    r.y = inside.y + t * (outside.y - inside.y);
+    r.w = inside.w + t * (outside.w - inside.w);
+    r.carried.x = inside.carried.x + t * (outside.carried.x - inside.carried.x);
+    r.carried.y = inside.carried.y + t * (outside.carried.y - inside.carried.y);
+    r.carried.z = inside.carried.z + t * (outside.carried.z - inside.carried.z);
+    // The clipped coordinate is assigned, not computed.
+    if (plane == kPlaneNear) r.w = v.near;
+    if (plane == kPlaneLeft) r.x = -(v.guardX * r.w);
+    if (plane == kPlaneRight) r.x = v.guardX * r.w;
+    if (plane == kPlaneTop) r.y = -(v.guardY * r.w);
+    if (plane == kPlaneBottom) r.y = v.guardY * r.w;
+    return r;
+}
+
+// A corner that clipping has made lies on its planes up to a rounding: it is projected whatever its outcode.
+SHARED_FN ScreenVertex projectClipped(ClipVertex c, Viewport v) {
+    ScreenVertex s;
+    s.outcode = 0u;
+    float limit = v.guardX + v.centreX;
+    s.x = snapToSubpixel(exactDivide(c.x, c.w) + v.centreX, limit);
+    limit = v.guardY + v.centreY;
+    s.y = snapToSubpixel(exactDivide(c.y, c.w) + v.centreY, limit);
+    s.z = exactDivide(v.near, c.w);
+    return s;
+}
+
+SHARED_END
+#endif

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Contract of the encode pass: linear RGB -> 8-bit codes. sRGB is the number of thresholds not above the value: threshold c is
+// the least float whose exact sRGB code is nearer c than c - 1, so every float gets its correctly rounded code (no pow).
+// The device reads one word a bucket of 2^16 floats: no bucket holds two thresholds (tests/unit/encode_test.cpp shows it).
+#ifndef PLUMB_ENCODE_H
+#define PLUMB_ENCODE_H
+#include "bridge.h"
+SHARED_BEGIN
+
+SHARED_CONST uint kEncodeSrgb = 0u;
+SHARED_CONST uint kEncodeLinear = 1u;
+SHARED_CONST int kEncodeFirstBucket = 0x3900;   // of the bits >> 16: 1.2e-4, below the first threshold
+SHARED_CONST int kEncodeBuckets = 1665;         // ... up to and with 1.0
+
+// Clamps to [0, 1]; not a number gives 0.
+SHARED_FN Real clampUnit(Real x) {
+    x = pick(gt(x, real(0.0f)), x, real(0.0f));
+    return pick(gt(real(1.0f), x), x, real(1.0f));
+}
+
+SHARED_FN Int encodeLinear(Real x) { return toInt(clampUnit(x) * 255.0f + 0.5f); }
+
+// Index of the bucket of a value in [0, 1].
+SHARED_FN Int encodeBucket(Real clamped) { return max((bitsOf(clamped) >> 16) - kEncodeFirstBucket, 0); }
+
+// A bucket's word: code below its threshold << 17 | low 16 bits of the threshold (2^16: no threshold here).
+SHARED_FN Int encodeInBucket(Real clamped, Int word) {
+    Int below = word >> 17;
+    Int low = bitsOf(clamped) & 0xffff;
+    // 1 when low >= threshold: the sign of low - threshold
+    return below + (((low - (word & 0x1ffff)) >> 31) + 1);
+}
+
+SHARED_END
+#endif

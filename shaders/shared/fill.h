@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// Contract of the fill pass: which triangle owns each pixel, and at what depth (docs/accuracy.md, depth).
+// With edge values E_i exact integers (fixed_point.h), e_i = floor((E_i - bias_i) / 256) is an integer plane over the pixels
+// and rho_i = ((E_i - bias_i) & 255) + bias_i a constant of the triangle: E_i / 256 = e_i + rho_i / 256 exactly.
+// A pixel is covered when all e_i >= 0. Depth and attributes use e_i rounded once to float32.
+#ifndef PLUMB_FILL_H
+#define PLUMB_FILL_H
+#include "cull.h"
+SHARED_BEGIN
+
+SHARED_CONST uint kNoTriangle = 0xffffffffu;
+
+// z(p) = (e_2 k1 + e_0 k2) + zc, clamped to the triangle's own range. Edges: 0 = (v0, v1), 1 = (v1, v2), 2 = (v2, v0).
+struct DepthPlane {
+    float k1, k2, zc;
+    int low, high;                      // bits of the least and greatest z of the corners; z > 0, so bits order as values do
+};
+
+// sumE = e_0 + e_1 + e_2 rounded once; rhoI = rho_i / 256 (exact).
+SHARED_FN DepthPlane depthPlane(float z0, float z1, float z2, float sumE, float rho0, float rho1, float rho2) {
+    DepthPlane d;
+    float inverse = exactDivide(1.0f, sumE + ((rho0 + rho1) + rho2));
+    d.k1 = (z1 - z0) * inverse;
+    d.k2 = (z2 - z0) * inverse;
+    d.zc = z0 + (rho2 * d.k1 + rho0 * d.k2);
+    float least = pick(z1 < z0, z1, z0);
+    least = pick(z2 < least, z2, least);
+    float most = pick(z1 > z0, z1, z0);
+    most = pick(z2 > most, z2, most);
+    d.low = bitsOf(least);
+    d.high = bitsOf(most);
+    return d;
+}
+
+SHARED_FN Int depthBits(Real e2, Real e0, float k1, float k2, float zc, int low, int high) {
+    Int z = bitsOf((e2 * k1 + e0 * k2) + zc);
+    return min(max(z, low), high);      // a negative float is a negative integer: below `low`
+}
+
+// Nearest wins; equal depths go to the lower triangle. The result does not depend on the order of visits.
+// Triangles count from 1 here; 0 stands for what was there before, which wins ties.
+SHARED_FN bool wins(int z, int triangle, int bestZ, int bestTriangle) {
+    return z > bestZ || (z == bestZ && triangle < bestTriangle);
+}
+
+// Perspective weights of the corners, scaled so that the nearest corner's is in [1, 2): squares of what they weigh stay normal.
+SHARED_FN float weightScale(int highestZ) { return realOf(0x7f000000 - (highestZ & 0x7f800000)); }
+
+// Sum of a corner value times its perspective weight times its edge value g_i = e_i + rho_i / 256: the attribute times
+// sum(w g). Normals are normalised afterwards; colours are divided by the same sum of the weights.
+SHARED_FN float weigh(float v0, float v1, float v2, float w0, float w1, float w2, float g0, float g1, float g2) {
+    return ((v0 * w0) * g1 + (v1 * w1) * g2) + (v2 * w2) * g0;
+}
+SHARED_FN float weightSum(float w0, float w1, float w2, float g0, float g1, float g2) { return (w0 * g1 + w1 * g2) + w2 * g0; }
+
+// Planes that a draw can leave beside the encoded colour, in this order, only those asked for.
+SHARED_CONST uint kFillPlaneZ = 1u;         // bits of z; 0 where nothing is drawn
+SHARED_CONST uint kFillPlaneTriangle = 2u;  // triangle of the scene, kNoTriangle where nothing is drawn
+SHARED_CONST uint kFillPlaneLinear = 4u;    // three planes
+SHARED_CONST uint kFillPlaneNormal = 8u;    // three planes: world, unit
+
+// A tile's list may be longer than one invocation may loop over (65,535 in all on lavapipe): longer ones are drawn in slices.
+SHARED_CONST uint kTileListLimit = 40000u;
+
+struct FillPush {
+    uint statusSlot;
+    uint tileCount;
+    uint firstRow;                      // of the band
+    uint rowQuads;                      // row pitch of the band's buffers in units of 4 pixels
+    uint planeQuads;                    // plane pitch
+    uint lightCount;
+    uint background;                    // encoded
+    uint firstTriangle;                 // of the chunk in the scene
+    uint flatColours;                   // texel of the first face colour of the chunk
+    float near;
+    vec3 rayOrigin, rayX, rayY;         // direction to pixel (x, y), forward component 1: rayOrigin + rayX x + rayY y
+    vec3 backgroundLinear;
+};
+
+SHARED_FN Real rayAt(float origin, float perX, float perY, Real x, float y) { return (real(origin) + x * perX) + real(y * perY); }
+
+SHARED_END
+#endif

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Contract of the resolve pass: s x s samples of an ordered grid -> one pixel, in linear light. Samples are added row by row.
+// Opaque: the mean of all samples, background included. Transparent: the mean of the covered samples, and their share as alpha.
+#ifndef PLUMB_RESOLVE_H
+#define PLUMB_RESOLVE_H
+#include "encode.h"
+#include "exact.h"
+SHARED_BEGIN
+
+struct ResolvePush {
+    uint statusSlot;
+    uint pixelQuads;                    // output pixels / 4, row pitch included
+    uint rowQuads;                      // of the output
+    uint sampleRowQuads;                // of the sample planes
+    uint samplePlaneQuads;
+    uint zSlot, linearSlot;             // plane numbers in the sample planes
+    uint side;                          // s: 1, 2 or 4
+    uint transparent;
+};
+
+// Share of covered samples as an 8-bit code, rounded to nearest.
+SHARED_FN uint coverageCode(uint covered, uint samples) { return (covered * 255u + (samples >> 1u)) / samples; }
+
+SHARED_END
+#endif

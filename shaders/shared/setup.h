@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Contract of the set-up pass: the drawn triangles of a chunk as one list in the order of the file. A triangle that is drawn whole
+// takes one place, a clipped one kClipFan places (unused ones have three equal vertices), so a lower place is a lower triangle.
+#ifndef PLUMB_SETUP_H
+#define PLUMB_SETUP_H
+#include "cull.h"
+SHARED_BEGIN
+
+struct SetupPush {
+    uint statusSlot;
+    uint laneCount;                     // CullRecords
+};
+
+struct ClipJob {
+    uint triangle;                      // of the chunk
+    uint object;
+    uint place;                         // first of kClipFan places in the draw list
+    uint vertex;                        // first of kClipCorners vertices
+};
+
+struct ClipPush {
+    uint statusSlot;
+    uint jobCount;
+    uint cullBackFaces;
+    FrameBox frame;
+    Viewport viewport;
+};
+
+SHARED_FN DrawTriangle drawTriangle(uint v0, uint v1, uint v2, ivec2 p0, ivec2 p1, ivec2 p2, uint source) {
+    bool back = facing(p0, p1, p2) < 0;
+    uint s1 = pick(back, v2, v1);
+    uint s2 = pick(back, v1, v2);
+    ivec2 q1 = p1;
+    ivec2 q2 = p2;
+    if (back) {
+        q1 = p2;
+        q2 = p1;
+    }
+    uint first = firstCorner(p0, q1, q2);
+    DrawTriangle d;
+    d.vertex[0] = pick(first == 0u, v0, pick(first == 1u, s1, s2));
+    d.vertex[1] = pick(first == 0u, s1, pick(first == 1u, s2, v0));
+    d.vertex[2] = pick(first == 0u, s2, pick(first == 1u, v0, s1));
+    d.source = source;
+    return d;
+}
+
+SHARED_END
+#endif

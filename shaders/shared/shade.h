@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// Contract of the shade pass: Phong's illumination in linear RGB (docs/accuracy.md, shading).
+//   colour = base + sum over lights of I * attenuation * (Kd max(N.L, 0) + Ks (R.V)^n [N.L > 0]),  base = Ka Ia + Ke.
+// Only float32 + - *, integer operations on bits and selections: the same bytes on every device that rounds correctly.
+// Attenuation weighs diffuse and specular alike. Lights are added in their order.
+#ifndef PLUMB_SHADE_H
+#define PLUMB_SHADE_H
+#include "bridge.h"
+SHARED_BEGIN
+
+SHARED_CONST uint kShadingUnlit = 0u;
+SHARED_CONST uint kShadingFlat = 1u;
+SHARED_CONST uint kShadingGouraud = 2u;
+SHARED_CONST uint kShadingPhong = 3u;
+
+SHARED_CONST uint kAttenuationNone = 0u;
+SHARED_CONST uint kAttenuationInverse = 1u;
+SHARED_CONST uint kAttenuationInverseSquare = 2u;
+
+// Two texels: (x, y, z, kind), (r, g, b, attenuation); kind 0: unit vector toward the light, 1: position relative to the eye.
+struct LightRecord {
+    vec3 place;
+    float kind;
+    vec3 intensity;
+    float attenuation;
+};
+SHARED_CONST int kLightTexels = 2;
+
+// Three texels.
+struct MaterialRecord {
+    vec3 base;                          // Ka Ia + Ke
+    float shininess;
+    vec3 diffuse;
+    float zeroPower;                    // 1 when shininess is 0, else 0: (R.V)^0 = 1 for every R.V
+    vec3 specular;
+    float reserved;
+};
+SHARED_CONST int kMaterialTexels = 3;
+
+// What a plan may drop: parts that cannot change this picture.
+struct ShadeParts {
+    bool diffuse, specular, point;
+};
+
+// 1 / sqrt(x) for normal x > 0: integer seed (Lomont's constant) and three Newton steps; relative error below 4 u.
+// x = 0 gives a large finite number.
+SHARED_FN Real reciprocalRoot(Real x) {
+    Real y = realOf(0x5f375a86 - (bitsOf(x) >> 1));
+    Real h = x * -0.5f;
+    y = y * (h * (y * y) + 1.5f);
+    y = y * (h * (y * y) + 1.5f);
+    y = y * (h * (y * y) + 1.5f);
+    return y;
+}
+
+// 1 / x for normal x > 0, relative error below 9 u.
+SHARED_FN Real reciprocal(Real x) {
+    Real y = reciprocalRoot(x);
+    return y * y;
+}
+
+// (1 - delta)^n = exp2(n log2(1 - delta)) without cancellation: while 1 - delta >= sqrt(1/2) the polynomial takes -delta itself.
+// Minimax polynomials of degree 7 for log2(1 + x) / x (1.7e-7) and 5 for exp2 (7.5e-8); n in [0, 1e6].
+SHARED_FN Real specularPower(Real delta, Real n, Real zeroPower) {
+    Real u = real(1.0f) - delta;
+    u = pick(gt(u, real(9.5367431640625e-7f)), u, real(9.5367431640625e-7f));
+    Int bits = bitsOf(u);
+    Int e = (bits - 0x3f3504f3) >> 23;
+    Real m = realOf(bits - shiftLeft(e, 23));
+    Real x = pick(same(e, e - e), -delta, m - 1.0f);
+    Real y = x * -0.145807055f + 0.234040521f;
+    y = y * x - 0.248877417f;
+    y = y * x + 0.287098915f;
+    y = y * x - 0.36023962f;
+    y = y * x + 0.480923236f;
+    y = y * x - 0.721352788f;
+    y = y * x + 1.44269496f;
+    Real p = n * (toReal(e) + y * x);
+    p = pick(gt(p, real(-120.0f)), p, real(-120.0f));
+    Real k = floorReal(p + 0.5f);
+    Real r = p - k;
+    Real q = r * 0.00132764727f + 0.00967554133f;
+    q = q * r + 0.0555071327f;
+    q = q * r + 0.240221197f;
+    q = q * r + 0.693146967f;
+    q = q * r + 1.0f;
+    Real power = realOf(bitsOf(q) + shiftLeft(toInt(k), 23));
+    return pick(gt(real(1.0f), delta), power, zeroPower);   // delta >= 1: R.V <= 0
+}
+
+struct Surface {
+    Real nx, ny, nz;                    // unit normal, world axes
+    Real vx, vy, vz;                    // unit vector toward the eye
+    Real px, py, pz;                    // position relative to the eye (read by point lights only)
+};
+
+struct Reflectance {
+    Real dr, dg, db;                    // Kd
+    Real sr, sg, sb;                    // Ks
+    Real n, zeroPower;
+};
+
+struct Colour {
+    Real r, g, b;
+};
+
+SHARED_FN void unitVector(INOUT(Real) x, INOUT(Real) y, INOUT(Real) z) {
+    Real inverse = reciprocalRoot((x * x + y * y) + z * z);
+    x = x * inverse;
+    y = y * inverse;
+    z = z * inverse;
+}
+
+// Adds one light. R = 2 (N.L) N - L; delta = |R - V|^2 / 2 = 1 - R.V for unit vectors, without cancellation near the highlight.
+SHARED_FN void addLight(vec4 place, vec4 intensity, Surface s, Reflectance k, ShadeParts parts, INOUT(Colour) c) {
+    Real lx = real(place.x);
+    Real ly = real(place.y);
+    Real lz = real(place.z);
+    Real fade = real(1.0f);
+    if (parts.point && place.w != 0.0f) {
+        lx = lx - s.px;
+        ly = ly - s.py;
+        lz = lz - s.pz;
+        Real inverse = reciprocalRoot((lx * lx + ly * ly) + lz * lz);
+        lx = lx * inverse;
+        ly = ly * inverse;
+        lz = lz * inverse;
+        if (intensity.w == 1.0f) fade = inverse;
+        if (intensity.w == 2.0f) fade = inverse * inverse;
+    }
+    Real nl = (s.nx * lx + s.ny * ly) + s.nz * lz;
+    Bool lit = gt(nl, real(0.0f));
+    Real r = real(0.0f);
+    Real g = real(0.0f);
+    Real b = real(0.0f);
+    if (parts.diffuse) {
+        Real d = pick(lit, nl, real(0.0f));
+        r = k.dr * d;
+        g = k.dg * d;
+        b = k.db * d;
+    }
+    if (parts.specular) {
+        Real twice = nl + nl;
+        Real qx = (twice * s.nx - lx) - s.vx;
+        Real qy = (twice * s.ny - ly) - s.vy;
+        Real qz = (twice * s.nz - lz) - s.vz;
+        Real power = specularPower(((qx * qx + qy * qy) + qz * qz) * 0.5f, k.n, k.zeroPower);
+        power = pick(lit, power, real(0.0f));
+        r = r + k.sr * power;
+        g = g + k.sg * power;
+        b = b + k.sb * power;
+    }
+    c.r = c.r + (r * fade) * intensity.x;
+    c.g = c.g + (g * fade) * intensity.y;
+    c.b = c.b + (b * fade) * intensity.z;
+}
+
+SHARED_END
+#endif

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// One invocation one vertex. A dispatch an object, so that its record is a uniform load.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+layout(local_size_x = 256) in;
+#include "shared/status.h"
+#include "shared/transform.h"
+
+layout(constant_id = 2) const bool kWriteNormals = true;  // Phong, or planes that ask for them
+
+layout(push_constant, scalar) uniform Push { TransformPush push; };
+layout(binding = 1) uniform samplerBuffer positions;   // xyz, object space
+layout(binding = 2) uniform samplerBuffer normals;     // xyz, object space
+layout(binding = 3, scalar) readonly buffer Objects { ObjectRecord objects[]; };
+layout(binding = 4, scalar) writeonly buffer Screen { uvec4 screen[]; };
+layout(binding = 5, scalar) writeonly buffer Varying { vec4 carried[]; };
+
+void main() {
+    uint item = itemIndex();
+    bool mine = item < push.vertexCount;
+    uint at = push.firstVertex + min(item, push.vertexCount - 1u);
+    ObjectRecord o = objects[push.object];
+    vec3 p = texelFetch(positions, int(at)).xyz;
+    float w = rowTimesPoint(o.rowW, p);
+    ScreenVertex s = project(rowTimesPoint(o.rowX, p), rowTimesPoint(o.rowY, p), w, push.viewport);
+    if (mine) screen[at] = uvec4(uint(s.x), uint(s.y), floatBitsToUint(s.z), s.outcode);
+    if (kWriteNormals) {
+        vec3 n = texelFetch(normals, int(at)).xyz;
+        vec4 world = vec4(rowTimesVector(o.normal0, n), rowTimesVector(o.normal1, n), rowTimesVector(o.normal2, n), 0.0);
+        if (mine) carried[at] = world;
+    }
+    finish(push.statusSlot, 0u);
+}
