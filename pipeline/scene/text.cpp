@@ -216,8 +216,11 @@ std::string_view Scanner::restOfLine() {
 }
 
 void Scanner::skipLine() {
+    // A comment does not go on in the next line, even when it ends with the backslash of a path.
+    bool comment = !continued || (token_ != at_ && *token_ == '#');
     while (at_ != end_ && !isLineEnd(*at_)) {
-        const bool joins = continued && *at_ == '\\' && at_ + 1 != end_ && isLineEnd(at_[1]);
+        comment |= *at_ == '#';
+        const bool joins = !comment && *at_ == '\\' && at_ + 1 != end_ && isLineEnd(at_[1]);
         at_ += joins && at_[1] == '\r' && at_ + 2 != end_ && at_[2] == '\n' ? 3 : joins ? 2 : 1;
     }
     if (at_ == end_) return;
