@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// The commands. Each returns an exit code for a verdict (0, 1, 7) and throws Error for a failure.
+#pragma once
+
+#include "host/error.h"
+#include "pipeline/cli/options.h"
+
+#include <nlohmann/json.hpp>
+
+namespace plumb {
+
+using Json = nlohmann::ordered_json;  // keys in the order in which docs/outputs.md lists them
+
+Exit renderCommand(const Options&);
+Exit verifyCommand(const Options&);
+Exit devicesCommand(const Options&);
+Exit infoCommand(const Options&);
+Exit helpCommand(const Options&);
+
+// What `--version` prints, and the "tool" of every report.
+std::string versionReport();
+Json toolJson();
+
+// Data on standard output: all of it is written, or Error(failed).
+void printData(const std::string& text);
+// The report of --json: one object, or an array when there are several, to standard output or to --json=FILE.
+void writeJson(const Options&, const std::vector<Json>& objects);
+// A line for people, on standard error; nothing with -q.
+void say(const Options&, const std::string& line);
+
+}  // namespace plumb

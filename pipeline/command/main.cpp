@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// Start, catch, exit code.
+#include "pipeline/cli/options.h"
+#include "pipeline/command/command.h"
+#include "pipeline/command/interrupt.h"
+
+#include <cstdio>
+#include <fcntl.h>
+#include <new>
+#include <unistd.h>
+
+namespace {
+
+// A caller may have closed a standard stream. A picture must not then be opened under its number, so that it would receive
+// what is printed: the place is taken, read-only, and printing fails as it should.
+void occupyStandardStreams() {
+    for (int fd = 0; fd <= 2; ++fd)
+        if (::fcntl(fd, F_GETFD) == -1 && ::open("/dev/null", O_RDONLY) != fd) return;
+}
+
+plumb::Exit run(const plumb::Options& options) {
+    using namespace plumb;
+    if (options.version) return printData(versionReport()), Exit::done;
+    if (options.help) return printData(options.command == kHelp ? usageText() : helpText(options.command)), Exit::done;
+    switch (options.command) {
+        case kRender: return renderCommand(options);
+        case kVerify: return verifyCommand(options);
+        case kDevices: return devicesCommand(options);
+        case kInfo: return infoCommand(options);
+        default: return helpCommand(options);
+    }
+}
+
+int fail(plumb::Exit exit, const char* message) {
+    std::fprintf(stderr, "plumb: %s\n", message);
+    return int(exit);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    occupyStandardStreams();
+    plumb::catchInterrupts();
+    try {
+        return int(run(plumb::parseOptions({arguments + (count > 0 ? 1 : 0), arguments + count})));
+    } catch (const plumb::Error& error) {
+        // A renderer that was told to stop says so; which signal told it is known here.
+        if (error.exit() == plumb::Exit::interrupted && plumb::interruptedBy() != 0) return fail(plumb::Exit(128 + plumb::interruptedBy()), error.what());
+        return fail(error.exit(), error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(plumb::Exit::failed, "out of memory");
+    } catch (const std::exception& error) {
+        return fail(plumb::Exit::failed, error.what());
+    }
+}

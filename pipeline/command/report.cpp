@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/command/report.h"
+
+#include "pipeline/image/image.h"
+#include "pipeline/scene/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <sys/resource.h>
+#include <thread>
+
+namespace plumb {
+namespace {
+
+uint64_t trianglesOf(const Scene& scene) {
+    uint64_t triangles = 0;
+    for (const Object& object : scene.objects) triangles += scene.meshes[object.mesh].triangles.size();
+    return triangles;
+}
+
+uint64_t distinctColours(const std::vector<uint32_t>& rgba) {
+    std::vector<uint64_t> seen((size_t(1) << 24) / 64);  // one bit a colour while all pixels have the same alpha
+    const uint32_t alpha = rgba.empty() ? 0 : rgba[0] & 0xff000000u;
+    uint64_t count = 0;
+    for (const uint32_t pixel : rgba) {
+        if ((pixel & 0xff000000u) != alpha) {
+            std::vector<uint32_t> sorted = rgba;
+            std::sort(sorted.begin(), sorted.end());
+            return uint64_t(std::unique(sorted.begin(), sorted.end()) - sorted.begin());
+        }
+        uint64_t& word = seen[(pixel & 0xffffffu) / 64];
+        const uint64_t bit = uint64_t(1) << pixel % 64;
+        count += (word & bit) == 0;
+        word |= bit;
+    }
+    return count;
+}
+
+void countFaults(FrameFacts& facts, const Frame& frame, const char* plane, const std::vector<float>& values, bool infinityMeansNothingDrawn) {
+    if (values.empty()) return;
+    const size_t channels = values.size() / (size_t(frame.width) * frame.height);
+    for (size_t i = 0; i < values.size(); ++i) {
+        const float v = values[i];
+        if (std::isfinite(v) || (infinityMeansNothingDrawn && v > 0)) continue;
+        ++(std::isnan(v) ? facts.nan : facts.inf);
+        if (!facts.firstFault.empty()) continue;
+        const size_t pixel = i / channels;
+        facts.firstFault = fmt::format("{} at pixel ({}, {}) is {}", plane, pixel % frame.width, pixel / frame.width, v);
+        if (!frame.object.empty()) facts.firstFault += fmt::format(", object {}", frame.object[pixel]);
+        if (!frame.primitive.empty()) facts.firstFault += fmt::format(", primitive {}", frame.primitive[pixel]);
+    }
+}
+
+Json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace
+
+std::vector<SourceFile> sourcesOf(const std::vector<std::string>& paths) {
+    std::vector<SourceFile> sources;
+    for (const std::string& path : paths) {
+        const std::string bytes = readWholeFile(path);
+        sources.push_back({path, sha256Hex(std::as_bytes(std::span(bytes))), bytes.size()});
+    }
+    return sources;
+}
+
+FrameFacts factsOf(const Frame& frame, bool countColours) {
+    FrameFacts facts;
+    facts.pixels = frame.rgba.size();
+    facts.covered = frame.coveredPixels;
+    if (countColours) facts.distinctColours = distinctColours(frame.rgba);
+    countFaults(facts, frame, "linear", frame.linear, false);
+    countFaults(facts, frame, "depth", frame.depth, true);
+    countFaults(facts, frame, "distance", frame.distance, true);
+    countFaults(facts, frame, "normal", frame.normal, false);
+    countFaults(facts, frame, "z", frame.z, false);
+    return facts;
+}
+
+bool isBlank(const FrameFacts& facts, double leastShare) { return facts.covered == 0 || facts.coveredShare() < leastShare || facts.distinctColours <= 1; }
+
+Json hostJson() {
+    std::string vendor, model;
+    std::ifstream cpuinfo("/proc/cpuinfo");
+    for (std::string line; std::getline(cpuinfo, line) && (vendor.empty() || model.empty());) {
+        const size_t colon = line.find(": ");
+        if (colon == line.npos) continue;
+        if (line.starts_with("vendor_id")) vendor = line.substr(colon + 2);
+        if (line.starts_with("model name")) model = line.substr(colon + 2);
+    }
+    return {{"cpu_vendor", vendor}, {"cpu_model", model}, {"threads", std::thread::hardware_concurrency()}};
+}
+
+Json sceneJson(const Scene& scene, const std::vector<SourceFile>& sources) {
+    Json json;
+    json["path"] = sources.empty() ? scene.path : sources[0].path;
+    json["sha256"] = sources.empty() ? scene.sha256 : sources[0].sha256;
+    if (sources.size() > 1) {
+        json["files"] = Json::array();
+        for (const SourceFile& s : sources) json["files"].push_back({{"path", s.path}, {"sha256", s.sha256}, {"bytes", s.bytes}});
+    }
+    json["triangles"] = trianglesOf(scene);
+    json["objects"] = scene.objects.size();
+    json["materials"] = scene.materials.size();
+    json["lights"] = scene.lights.size();
+    json["ignored"] = scene.ignored;
+    json["warnings"] = scene.warnings;
+    return json;
+}
+
+Json planJson(const Plan& plan) {
+    Json skipped = Json::array();
+    for (const Plan::Drop& drop : plan.dropped) skipped.push_back({{"pass", drop.what}, {"why", drop.why}});
+    return {{"passes", plan.passes}, {"skipped", skipped}, {"choices", plan.choices}};
+}
+
+Json countersJson(const RenderCounters& c) {
+    return {{"objects", c.objects},
+            {"objectsDrawn", c.objectsDrawn},
+            {"vertices", c.vertices},
+            {"triangles", c.triangles},
+            {"culledBackFace", c.culledBackFace},
+            {"culledZeroArea", c.culledZeroArea},
+            {"culledOutside", c.culledOutside},
+            {"clipped", c.clipped},
+            {"drawnTriangles", c.drawnTriangles},
+            {"illuminations", c.illuminations},
+            {"edges", c.edges},
+            {"chunks", c.chunks},
+            {"bands", c.bands},
+            {"binEntries", c.binEntries}};
+}
+
+Json cameraJson(const Camera& camera) {
+    return {{"eye", vectorJson(camera.eye)},
+            {"right", vectorJson(camera.right)},
+            {"up", vectorJson(camera.up)},
+            {"forward", vectorJson(camera.forward)},
+            {"fovYDegrees", camera.fovYDegrees},
+            {"focalPixels", camera.focalPixels},
+            {"focusDistance", camera.focusDistance},
+            {"near", camera.near > 0 ? camera.near : std::exp2(std::floor(std::log2(camera.focusDistance)) - 10)}};
+}
+
+Json imageJson(const Frame& frame, const FrameFacts& facts, bool blank) {
+    return {{"sha256_pixels", sha256Hex(std::as_bytes(std::span(frame.rgba)))},
+            {"size", {frame.width, frame.height}},
+            {"covered", facts.coveredShare()},
+            {"covered_pixels", facts.covered},
+            {"distinct_colours", facts.distinctColours},
+            {"blank", blank},
+            {"nan", facts.nan},
+            {"inf", facts.inf}};
+}
+
+Json memoryJson(const Renderer& renderer) {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return {{"peak_bytes", uint64_t(usage.ru_maxrss) * 1024}, {"device_peak_bytes", renderer.devicePeakBytes()}};
+}
+
+}  // namespace plumb

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// The parts that reports share. Keys are stable; docs/outputs.md lists them.
+#pragma once
+
+#include "pipeline/command/renderer.h"
+
+namespace plumb {
+
+struct SourceFile {
+    std::string path, sha256;
+    uint64_t bytes = 0;
+};
+
+// What a picture's pixels say about it.
+struct FrameFacts {
+    uint64_t pixels = 0, covered = 0, distinctColours = 0, nan = 0, inf = 0;
+    std::string firstFault;        // of a NaN or infinity: plane, pixel, value
+    double coveredShare() const { return pixels == 0 ? 0 : double(covered) / double(pixels); }
+};
+
+std::vector<SourceFile> sourcesOf(const std::vector<std::string>& paths);
+FrameFacts factsOf(const Frame&, bool countColours);  // uncounted, distinctColours is 0
+// Nearly nothing is covered, or the picture has one colour only.
+bool isBlank(const FrameFacts&, double leastShare);
+
+Json hostJson();
+Json sceneJson(const Scene&, const std::vector<SourceFile>&);
+Json planJson(const Plan&);
+Json countersJson(const RenderCounters&);
+Json cameraJson(const Camera&);
+Json imageJson(const Frame&, const FrameFacts&, bool blank);
+Json memoryJson(const Renderer&);
+
+}  // namespace plumb

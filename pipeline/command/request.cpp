@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/command/request.h"
+
+#include "pipeline/command/interrupt.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumb {
+namespace {
+
+// IEC 61966-2-1 in binary64; encoding the rounded result gives the byte back.
+float linearFromByte(uint8_t byte, Encoding encoding) {
+    const double x = byte / 255.0;
+    if (encoding == Encoding::linear) return float(x);
+    return float(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
+}
+
+uint32_t byteFromLinear(float linear, Encoding encoding) {
+    const double x = std::clamp(double(linear), 0.0, 1.0);
+    const double encoded = encoding == Encoding::linear ? x : x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+    return uint32_t(std::lround(encoded * 255));
+}
+
+}  // namespace
+
+LoadOptions loadOptionsOf(const Options& options) {
+    LoadOptions load;
+    load.allowOutside = options.allowOutside;
+    load.strict = options.strict;
+    load.creaseDegrees = options.creaseDegrees;
+    load.onProgress = [](double) { stopIfInterrupted(); };
+    return load;
+}
+
+RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 size) {
+    RenderRequest request;
+    request.width = size.x;
+    request.height = size.y;
+    request.shading = options.shading.value_or(scene.shading.value_or(Shading::phong));
+    request.encoding = options.encoding.value_or(scene.encoding.value_or(Encoding::srgb));
+    request.samples = options.samples;
+    request.background = scene.background.value_or(glm::vec3(0));
+    if (options.background) {
+        request.transparent = options.background->transparent;
+        for (int c = 0; c < 3; ++c) request.background[c] = request.transparent ? 0 : linearFromByte(options.background->rgb[size_t(c)], request.encoding);
+    }
+    request.threads = options.threads;
+    request.chunkTriangles = options.limitChunk;
+    request.bandRows = options.limitBand;
+    request.watchdogMs = options.watchdogMs;
+    return request;
+}
+
+uint32_t backgroundPixel(const RenderRequest& request) {
+    uint32_t pixel = request.transparent ? 0 : 0xff000000u;
+    for (int c = 0; c < 3; ++c) pixel |= byteFromLinear(request.background[c], request.encoding) << (8 * c);
+    return pixel;
+}
+
+}  // namespace plumb

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/command/views.h"
+
+#include "host/error.h"
+#include "pipeline/scene/load.h"
+#include "pipeline/scene/text.h"
+
+#include <charconv>
+#include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
+
+namespace plumb {
+namespace {
+
+// An orthonormal frame that looks along `forward`. Where `up` is parallel to it (a view from the top), -Z is up in the
+// picture, as on a map; and where that is parallel as well, +Y.
+void orient(Camera& camera, const glm::dvec3& forward, const glm::dvec3& up, bool leftHanded) {
+    camera.forward = glm::normalize(forward);
+    for (const glm::dvec3& candidate : {up, glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0)}) {
+        const glm::dvec3 right = leftHanded ? glm::cross(candidate, camera.forward) : glm::cross(camera.forward, candidate);
+        if (glm::length(right) <= 1e-9 * glm::length(candidate)) continue;
+        camera.right = glm::normalize(right);
+        camera.up = leftHanded ? glm::cross(camera.forward, camera.right) : glm::cross(camera.right, camera.forward);
+        return;
+    }
+}
+
+void applyFlags(Camera& camera, const Scene& scene, const Options& options) {
+    if (options.eye || options.at) {
+        const glm::dvec3 at = options.at.value_or(camera.eye + camera.forward * camera.focusDistance);
+        camera.eye = options.eye.value_or(camera.eye);
+        camera.focusDistance = glm::length(at - camera.eye);
+        if (!(camera.focusDistance > 0)) throw usageError("--eye and --at are the same point");
+        orient(camera, at - camera.eye, scene.up, scene.leftHanded);
+    } else if (options.up && options.views.empty()) {
+        orient(camera, camera.forward, scene.up, scene.leftHanded);
+    }
+    if (options.fovDegrees) {
+        camera.fovYDegrees = *options.fovDegrees;
+        camera.focalPixels = 0;
+    }
+    if (options.near) camera.near = *options.near;
+}
+
+// The camera after a turn by `angle` about the axis `up` through the point it looks at.
+Camera turned(Camera camera, const glm::dvec3& up, double angle) {
+    const glm::dvec3 centre = camera.eye + camera.forward * camera.focusDistance;
+    const glm::dmat3 turn(glm::rotate(glm::dmat4(1), angle, glm::normalize(up)));
+    camera.eye = centre + turn * (camera.eye - centre);
+    camera.right = turn * camera.right;
+    camera.up = turn * camera.up;
+    camera.forward = turn * camera.forward;
+    return camera;
+}
+
+}  // namespace
+
+glm::uvec2 sizeOf(const Scene& scene, const Options& options) {
+    if (options.size) return *options.size;
+    return scene.size.x != 0 && scene.size.y != 0 ? scene.size : glm::uvec2(640, 480);
+}
+
+std::vector<Viewpoint> viewsOf(Scene& scene, glm::uvec2 size, const Options& options) {
+    if (options.up) scene.up = glm::normalize(*options.up);
+    const bool bareMesh = isBareMesh(options.inputs[0]);
+    const bool unlit = bareMesh && scene.lights.empty();
+    const auto view = [&](const std::string& name, const Camera& camera) {
+        return Viewpoint{name, camera, unlit ? defaultLights(scene, camera) : scene.lights};
+    };
+    const std::vector<std::string> names = options.views.empty() ? std::vector<std::string>{""} : options.views;
+    std::vector<Viewpoint> views;
+    for (const std::string& name : names) {
+        completeScene(scene, size, name, bareMesh);
+        Camera camera = *scene.camera;
+        applyFlags(camera, scene, options);
+        views.push_back(view(name, camera));
+    }
+    if (options.turntable != 0) {
+        const Viewpoint first = views[0];
+        views.clear();
+        for (uint32_t i = 0; i < options.turntable; ++i)
+            views.push_back(view(first.name, turned(first.camera, scene.up, glm::radians(360.0 * i / options.turntable))));
+    }
+    return views;
+}
+
+bool hasPlaceholder(const std::string& pattern, const char* name) {
+    return pattern.find(fmt::format("{{{}}}", name)) != pattern.npos || pattern.find(fmt::format("{{{}:", name)) != pattern.npos;
+}
+
+std::string filledIn(const std::string& pattern, const PlaceholderValues& values) {
+    std::string out;
+    for (size_t at = 0; at < pattern.size();) {
+        const size_t open = pattern.find('{', at);
+        out += pattern.substr(at, open - at);
+        if (open == pattern.npos) break;
+        const size_t close = pattern.find('}', open);
+        if (close == pattern.npos) return out + pattern.substr(open);
+        const std::string name = pattern.substr(open + 1, close - open - 1);
+        uint32_t digits = values.digits;
+        const bool sized = name.starts_with("n:") && std::from_chars(name.data() + 2, name.data() + name.size(), digits).ptr == name.data() + name.size() && digits <= 20;
+        if (name == "n" || sized)
+            out += fmt::format("{:0{}}", values.number, digits);
+        else if (name == "view")
+            out += values.view;
+        else if (name == "aov")
+            out += values.aov;
+        else
+            throw usageError(fmt::format("--output: '{{{}}}' is not known; placeholders: {{n}}, {{n:4}}, {{view}}, {{aov}}", printable(name)));
+        at = close + 1;
+    }
+    return out;
+}
+
+uint32_t planeOf(Aov aov) {
+    switch (aov) {
+        case Aov::colour: return kPlaneColour;
+        case Aov::linear: return kPlaneLinear;
+        case Aov::depth: return kPlaneDepth;
+        case Aov::distance: return kPlaneDistance;
+        case Aov::normal: return kPlaneNormal;
+        case Aov::objectId: return kPlaneObject;
+        case Aov::primitiveId: return kPlanePrimitive;
+    }
+    PLUMB_ASSERT(!"every AOV has a plane");
+    return 0;
+}
+
+}  // namespace plumb

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// One scene, several pictures: which camera each has and where it goes.
+#pragma once
+
+#include "pipeline/cli/options.h"
+#include "pipeline/render/frame.h"
+
+#include <map>
+
+namespace plumb {
+
+struct Viewpoint {
+    std::string name;              // as in --view; "" for the scene's own camera
+    Camera camera;
+    std::vector<Light> lights;
+};
+
+// The scene completed for `size` with the camera flags applied, and one Viewpoint a picture (at least one). A bare mesh
+// without lights is lit anew for each camera, so that a view looks the same alone and in company.
+std::vector<Viewpoint> viewsOf(Scene&, glm::uvec2 size, const Options&);
+glm::uvec2 sizeOf(const Scene&, const Options&);
+
+// '{n}', '{n:4}', '{view}', '{aov}' filled in. A number is padded with zeros to `digits`, or as the placeholder says.
+// Throws Error(usage) on a placeholder that is not known.
+struct PlaceholderValues {
+    uint32_t number = 0, digits = 1;
+    std::string view, aov;
+};
+std::string filledIn(const std::string& pattern, const PlaceholderValues&);
+bool hasPlaceholder(const std::string& pattern, const char* name);
+
+uint32_t planeOf(Aov);
+
+}  // namespace plumb
