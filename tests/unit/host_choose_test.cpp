@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
 namespace plumb {
@@ -153,27 +152,6 @@ TEST(DeviceList, FindsThePinnedLavapipe) {
     EXPECT_EQ(devices[0].type, "cpu");
     EXPECT_EQ(devices[0].uuid.size(), 32u);
     EXPECT_TRUE(devices[0].unusableBecause.empty());
-}
-
-// Run by the test after it, in a process whose libvulkan.so.1 is no library.
-TEST(DeviceList, DISABLED_InAProcessWithoutLoader) {
-    std::string why;
-    EXPECT_TRUE(Device::list(&why).empty());
-    EXPECT_EQ(why, "there is no Vulkan loader (libvulkan.so.1)");
-    unsetenv("PLUMB_VALIDATION");
-    EXPECT_TRUE(Device::choose({}).twin);
-    DeviceRequest validated;
-    validated.validation = true;
-    EXPECT_THROW(Device::choose(validated), Error);
-}
-
-TEST(DeviceList, IsEmptyWithoutLoader) {
-    const TemporaryFolder folder;
-    for (const char* name : {"libvulkan.so.1", "libvulkan.so"}) std::ofstream(folder.path() / name).put('\n');
-    const std::string command = "LD_LIBRARY_PATH='" + folder.path().string() + "' '" +
-                                std::filesystem::read_symlink("/proc/self/exe").string() +
-                                "' --gtest_also_run_disabled_tests --gtest_filter='*InAProcessWithoutLoader' >&2";
-    EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
 }  // namespace
