@@ -3,6 +3,7 @@
 // each pixel stay in registers while the tile's list is walked, then each pixel is shaded once and written once.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #ifdef PLUMB_SHUFFLE
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
@@ -26,6 +27,9 @@ layout(constant_id = 10) const bool kPrior = false;       // planes hold what ea
 layout(constant_id = 11) const bool kWide = false;        // some triangle of the chunk needs the 64-bit set-up
 layout(constant_id = 12) const bool kColour = true;       // write the encoded pixel
 layout(constant_id = 13) const uint kWrite = 0u;          // of kPlanes: to write
+#ifdef PLUMB_SHUFFLE
+layout(constant_id = 14) const uint kSubgroupSize = 8u;   // 8, 16, 32 or 64: clusters of 8 share a tile
+#endif
 
 layout(push_constant, scalar) uniform Push { FillPush push; };
 layout(binding = 1) uniform usamplerBuffer draws;
@@ -57,28 +61,6 @@ vec4 edgeReal(int hi, int lo, int a, int b, int y) {
     return vec4(high) * 65536.0 + vec4(low & 0xffff);
 }
 
-float edgeScalar(int hi, int lo) { return kWide ? float(hi) * 65536.0 + float(lo) : float(lo); }
-
-// Corners of a drawn triangle interpolated at one pixel centre: xyz times w, and the weights' sum in w.
-vec4 interpolate(uvec4 d, ivec2 centre) {
-    uvec4 v0 = texelFetch(screen, int(d.x));
-    uvec4 v1 = texelFetch(screen, int(d.y));
-    uvec4 v2 = texelFetch(screen, int(d.z));
-    Edges e;
-    edgesAt(centre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), e);
-    float g0 = edgeScalar(e.hi.x, e.lo.x) + float(e.rho.x) * 0.00390625;
-    float g1 = edgeScalar(e.hi.y, e.lo.y) + float(e.rho.y) * 0.00390625;
-    float g2 = edgeScalar(e.hi.z, e.lo.z) + float(e.rho.z) * 0.00390625;
-    int highest = max(max(int(v0.z), int(v1.z)), int(v2.z));
-    float scale = weightScale(highest);
-    float w0 = uintBitsToFloat(v0.z) * scale, w1 = uintBitsToFloat(v1.z) * scale, w2 = uintBitsToFloat(v2.z) * scale;
-    vec3 a0 = texelFetch(carried, int(d.x)).xyz;
-    vec3 a1 = texelFetch(carried, int(d.y)).xyz;
-    vec3 a2 = texelFetch(carried, int(d.z)).xyz;
-    return vec4(weigh(a0.x, a1.x, a2.x, w0, w1, w2, g0, g1, g2), weigh(a0.y, a1.y, a2.y, w0, w1, w2, g0, g1, g2),
-                weigh(a0.z, a1.z, a2.z, w0, w1, w2, g0, g1, g2), weightSum(w0, w1, w2, g0, g1, g2));
-}
-
 Int encode(Real x) {
     if (kEncoding == kEncodeLinear) return encodeLinear(x);
     Real clamped = clampUnit(x);
@@ -88,30 +70,133 @@ Int encode(Real x) {
     return encodeInBucket(clamped, word);
 }
 
+#ifdef PLUMB_SHUFFLE
+uint clusterMax(uint v) {   // over the subgroup, so that loops over it are uniform
+    v = max(v, subgroupShuffleXor(v, 1u));
+    v = max(v, subgroupShuffleXor(v, 2u));
+    v = max(v, subgroupShuffleXor(v, 4u));
+    if (kSubgroupSize > 8u) v = max(v, subgroupShuffleXor(v, 8u));
+    if (kSubgroupSize > 16u) v = max(v, subgroupShuffleXor(v, 16u));
+    if (kSubgroupSize > 32u) v = max(v, subgroupShuffleXor(v, 32u));
+    return v;
+}
+// Number of the lowest set bit of a mask of 8, by its float exponent (findLSB is slow here).
+uint lowestBit(uint mask) { return uint((floatBitsToInt(float(int(mask & (0u - mask)))) >> 23) - 127); }
+#endif
+
+ivec4 z[4];
+ivec4 id[4];
+
+// One triangle at the 16 pixels of this invocation: q, a, b of its edges at the block's first pixel.
+void cover(ivec3 q, ivec3 a, ivec3 b, ivec3 hi, ivec3 lo, DepthPlane depth, int name) {
+    const ivec4 along = ivec4(0, 1, 2, 3);
+    ivec4 f0 = along * a.x + q.x;
+    ivec4 f1 = along * a.y + q.y;
+    ivec4 f2 = along * a.z + q.z;
+    [[unroll]] for (int r = 0; r < 4; ++r) {
+        vec4 e2 = kWide ? edgeReal(hi.z, lo.z, a.z, b.z, r) : vec4(f2);
+        vec4 e0 = kWide ? edgeReal(hi.x, lo.x, a.x, b.x, r) : vec4(f0);
+        ivec4 here = depthBits(e2, e0, depth.k1, depth.k2, depth.zc, depth.low, depth.high);
+        // wins(): here > z, or equal and the lower triangle; both operands are bits of floats in [0, 1].
+        ivec4 key = here + ivec4(lessThan(ivec4(name), id[r]));
+        bvec4 win = lessThan((z[r] - key) & ~(f0 | f1 | f2), ivec4(0));
+        z[r] = mix(z[r], here, win);
+        id[r] = mix(id[r], ivec4(name), win);
+        f0 += b.x;
+        f1 += b.y;
+        f2 += b.z;
+    }
+}
+
+DepthPlane depthOf(uvec4 v0, uvec4 v1, uvec4 v2, Edges e) {
+    return depthPlane(uintBitsToFloat(v0.z), uintBitsToFloat(v1.z), uintBitsToFloat(v2.z), e.sumE, float(e.rho.x) * 0.00390625,
+                      float(e.rho.y) * 0.00390625, float(e.rho.z) * 0.00390625);
+}
+
 void main() {
     uint groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     // lavapipe gives each thread a contiguous half of the workgroups: interleave them so that both halves weigh the same.
-    uint half_ = groups >> 1u;
-    group = group < half_ ? group * 2u : group < half_ * 2u ? (group - half_) * 2u + 1u : group;
+    uint halfGroups = groups >> 1u;
+    group = group < halfGroups ? group * 2u : group < halfGroups * 2u ? (group - halfGroups) * 2u + 1u : group;
+    uint fault = 0u;
+#ifdef PLUMB_SHUFFLE
+    int lane = int(gl_SubgroupInvocationID & 7u);
+    uint base = gl_SubgroupInvocationID & ~7u;
+    uint item = group * 8u + gl_SubgroupID * (kSubgroupSize >> 3u) + (gl_SubgroupInvocationID >> 3u);
+    fault |= gl_SubgroupSize != kSubgroupSize ? kFaultRange : 0u;
+#else
+    int lane = int(gl_LocalInvocationIndex & 7u);
     uint item = group * 8u + (gl_LocalInvocationIndex >> 3u);
+#endif
     bool mine = item < push.tileCount;
     uvec4 tile = texelFetch(tileRecords, int(min(item, push.tileCount - 1u)));
-    int lane = int(gl_LocalInvocationIndex & 7u);
-    ivec2 block = ivec2(tile.x & 0xffffu, tile.x >> 16u) * ivec2(kTileWidth, kTileHeight) + ivec2((lane & 3) * 4, (lane >> 2) * 4);
+    ivec2 corner = ivec2(tile.x & 0xffffu, tile.x >> 16u) * ivec2(kTileWidth, kTileHeight);
+    ivec2 inTile = ivec2((lane & 3) * 4, (lane >> 2) * 4);
+    ivec2 block = corner + inTile;
     ivec2 pixel = block + ivec2(0, push.firstRow);
     ivec2 centre = pixel * kSubpixels + kHalfPixel;
     uint at = uint(block.y) * push.rowQuads + uint(block.x >> 2);
 
-    ivec4 z[4];
-    ivec4 id[4];
-    for (int r = 0; r < 4; ++r) {
+    [[unroll]] for (int r = 0; r < 4; ++r) {
         z[r] = kPrior ? ivec4(planes[at + uint(r) * push.rowQuads]) : ivec4(0);
         id[r] = ivec4(0);
     }
 
     int first = int(tile.y);
     int count = int(tile.z);
+#ifdef PLUMB_SHUFFLE
+    // Eight triangles at a time, set up one a lane; each lane then walks those that touch its own 4 x 4 pixels. A lane that has
+    // none left repeats one: harmless, because a triangle drawn twice changes nothing.
+    ivec2 tileCentre = (corner + ivec2(0, push.firstRow)) * kSubpixels + kHalfPixel;
+    uint longest = clusterMax(uint(count));
+    uint k = 0u;
+    do {
+        int draw = int(texelFetch(entries, first + min(int(k) + lane, count - 1)).x);
+        uvec4 d = texelFetch(draws, draw);
+        uvec4 v0 = texelFetch(screen, int(d.x));
+        uvec4 v1 = texelFetch(screen, int(d.y));
+        uvec4 v2 = texelFetch(screen, int(d.z));
+        Edges e;
+        edgesAt(tileCentre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), e);
+        DepthPlane depth = depthOf(v0, v1, v2, e);
+        ivec3 most = e.q + max(e.a, 0) * 3 + max(e.b, 0) * 3;
+        uint blocks = 0u;
+        [[unroll]] for (int i = 0; i < 8; ++i) {
+            ivec3 there = most + e.a * ((i & 3) * 4) + e.b * ((i >> 2) * 4);
+            blocks |= (there.x | there.y | there.z) >= 0 ? 1u << i : 0u;
+        }
+        blocks = int(k) + lane < count ? blocks : 0u;
+        uint todo = 0u;
+        [[unroll]] for (uint i = 0u; i < 8u; ++i) todo |= ((subgroupShuffle(blocks, base | i) >> lane) & 1u) << i;
+        uint steps = clusterMax(uint(bitCount(todo)));
+        uint step = 0u;
+        do {
+            uint from = base | (lowestBit(todo | 128u) & 7u);
+            todo &= todo - 1u;
+            ivec3 a, b, q;
+            a.x = subgroupShuffle(e.a.x, from);
+            a.y = subgroupShuffle(e.a.y, from);
+            a.z = -a.x - a.y;
+            b.x = subgroupShuffle(e.b.x, from);
+            b.y = subgroupShuffle(e.b.y, from);
+            b.z = -b.x - b.y;
+            q.x = subgroupShuffle(e.q.x, from);
+            q.y = subgroupShuffle(e.q.y, from);
+            q.z = subgroupShuffle(e.q.z, from);
+            DepthPlane p;
+            p.k1 = subgroupShuffle(depth.k1, from);
+            p.k2 = subgroupShuffle(depth.k2, from);
+            p.zc = subgroupShuffle(depth.zc, from);
+            p.low = subgroupShuffle(depth.low, from);
+            p.high = subgroupShuffle(depth.high, from);
+            cover(q + a * inTile.x + b * inTile.y, a, b, ivec3(0), ivec3(0), p, subgroupShuffle(draw, from) + 1);
+            step++;
+        } while (step < steps);
+        k += 8u;
+    } while (k < longest);
+    fault |= k < longest ? kFaultLoop : 0u;
+#else
     int k = 0;
     do {
         int draw = int(texelFetch(entries, first + min(k, count - 1)).x);
@@ -121,49 +206,83 @@ void main() {
         uvec4 v2 = texelFetch(screen, int(d.z));
         Edges e;
         edgesAt(centre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), e);
-        DepthPlane depth = depthPlane(uintBitsToFloat(v0.z), uintBitsToFloat(v1.z), uintBitsToFloat(v2.z), e.sumE,
-                                      float(e.rho.x) * 0.00390625, float(e.rho.y) * 0.00390625, float(e.rho.z) * 0.00390625);
-        int name = draw + 1;
-        for (int r = 0; r < 4; ++r) {
-            ivec4 along = ivec4(0, 1, 2, 3);
-            ivec4 inside = (along * e.a.x + (e.q.x + r * e.b.x)) | (along * e.a.y + (e.q.y + r * e.b.y)) |
-                           (along * e.a.z + (e.q.z + r * e.b.z));
-            ivec4 here = depthBits(edgeReal(e.hi.z, e.lo.z, e.a.z, e.b.z, r), edgeReal(e.hi.x, e.lo.x, e.a.x, e.b.x, r),
-                                   depth.k1, depth.k2, depth.zc, depth.low, depth.high);
-            // wins(): here > z, or equal and the lower triangle; both operands are bits of floats in [0, 1].
-            ivec4 key = here + ivec4(lessThan(ivec4(name), id[r]));
-            bvec4 win = lessThan((z[r] - key) & ~inside, ivec4(0));
-            z[r] = mix(z[r], here, win);
-            id[r] = mix(id[r], ivec4(name), win);
-        }
+        cover(e.q, e.a, e.b, e.hi, e.lo, depthOf(v0, v1, v2, e), draw + 1);
         k++;
     } while (k < count);
+    fault |= k < count ? kFaultLoop : 0u;
+#endif
+
+    // What the visible triangles carry to the 16 pixels: one round for each distinct triangle, from the highest down.
+    vec4 carriedX[4], carriedY[4], carriedZ[4], weight[4];
+    ivec4 source[4], material[4];
+    [[unroll]] for (int r = 0; r < 4; ++r) {
+        carriedX[r] = carriedY[r] = carriedZ[r] = vec4(0.0);
+        weight[r] = vec4(1.0);
+        source[r] = material[r] = ivec4(0);
+    }
+    ivec4 highestId = max(max(id[0], id[1]), max(id[2], id[3]));
+    int current = max(max(highestId.x, highestId.y), max(highestId.z, highestId.w));
+    int rounds = 0;
+    do {
+        uvec4 d = texelFetch(draws, max(current - 1, 0));
+        int owner = kOneMaterial && kShading != kShadingFlat ? 0 : int(texelFetch(triangleMaterials, int(d.w)).x);
+        Edges e;
+        vec3 rho = vec3(0.0);
+        vec3 a0 = vec3(0.0), a1 = vec3(0.0), a2 = vec3(0.0);
+        vec3 w = vec3(0.0);
+        vec3 flatColour = vec3(0.0);
+        if (kShading == kShadingFlat) flatColour = texelFetch(carried, int(push.flatColours) + owner).xyz;
+        if (kShading >= kShadingGouraud) {
+            uvec4 v0 = texelFetch(screen, int(d.x));
+            uvec4 v1 = texelFetch(screen, int(d.y));
+            uvec4 v2 = texelFetch(screen, int(d.z));
+            edgesAt(centre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), e);
+            rho = vec3(e.rho) * 0.00390625;
+            w = vec3(uintBitsToFloat(v0.z), uintBitsToFloat(v1.z), uintBitsToFloat(v2.z)) *
+                weightScale(max(max(int(v0.z), int(v1.z)), int(v2.z)));
+            a0 = texelFetch(carried, int(d.x)).xyz * w.x;
+            a1 = texelFetch(carried, int(d.y)).xyz * w.y;
+            a2 = texelFetch(carried, int(d.z)).xyz * w.z;
+        }
+        ivec4 below = ivec4(0);
+        [[unroll]] for (int r = 0; r < 4; ++r) {
+            bvec4 here = equal(id[r], ivec4(current));
+            if (kShading == kShadingFlat) {
+                carriedX[r] = mix(carriedX[r], vec4(flatColour.x), here);
+                carriedY[r] = mix(carriedY[r], vec4(flatColour.y), here);
+                carriedZ[r] = mix(carriedZ[r], vec4(flatColour.z), here);
+            }
+            if (kShading >= kShadingGouraud) {
+                vec4 g0 = edgeReal(e.hi.x, e.lo.x, e.a.x, e.b.x, r) + rho.x;
+                vec4 g1 = edgeReal(e.hi.y, e.lo.y, e.a.y, e.b.y, r) + rho.y;
+                vec4 g2 = edgeReal(e.hi.z, e.lo.z, e.a.z, e.b.z, r) + rho.z;
+                carriedX[r] = mix(carriedX[r], weigh(a0.x, a1.x, a2.x, g0, g1, g2), here);
+                carriedY[r] = mix(carriedY[r], weigh(a0.y, a1.y, a2.y, g0, g1, g2), here);
+                carriedZ[r] = mix(carriedZ[r], weigh(a0.z, a1.z, a2.z, g0, g1, g2), here);
+                if (kShading == kShadingGouraud) weight[r] = mix(weight[r], weigh(w.x, w.y, w.z, g0, g1, g2), here);
+            }
+            source[r] = mix(source[r], ivec4(d.w), here);
+            material[r] = mix(material[r], ivec4(owner), here);
+            below = max(below, mix(ivec4(0), id[r], lessThan(id[r], ivec4(current))));
+        }
+        current = max(max(below.x, below.y), max(below.z, below.w));
+        rounds++;
+    } while (current != 0 && rounds < 17);
 
     ShadeParts parts = ShadeParts(kDiffuse, kSpecular, kPointLights);
     int lightCount = kOneLight ? 1 : int(push.lightCount);
-    uint fault = k < count ? kFaultLoop : 0u;
-    for (int r = 0; r < 4; ++r) {
-        ivec4 source, material, face;
-        mat4 value;   // a column a pixel
-        for (int c = 0; c < 4; ++c) {
-            uvec4 d = texelFetch(draws, max(id[r][c] - 1, 0));
-            source[c] = int(d.w);
-            material[c] = kOneMaterial && kShading != kShadingFlat ? 0 : int(texelFetch(triangleMaterials, int(d.w)).x);
-            if (kShading == kShadingFlat) value[c] = texelFetch(carried, int(push.flatColours) + material[c]);
-            if (kShading >= kShadingGouraud) value[c] = interpolate(d, centre + ivec2(c, r) * kSubpixels);
-        }
-        value = transpose(value);
+    [[unroll]] for (int r = 0; r < 4; ++r) {
         Real x = vec4(float(pixel.x) + 0.5) + vec4(0.0, 1.0, 2.0, 3.0);
         float y = float(pixel.y + r) + 0.5;
         Colour c;
-        vec4 nx = value[0];
-        vec4 ny = value[1];
-        vec4 nz = value[2];
+        vec4 nx = carriedX[r];
+        vec4 ny = carriedY[r];
+        vec4 nz = carriedZ[r];
         if (kShading == kShadingGouraud) {
-            vec4 inverse = reciprocal(value[3]);
-            c = Colour(value[0] * inverse, value[1] * inverse, value[2] * inverse);
+            vec4 inverse = reciprocal(weight[r]);
+            c = Colour(nx * inverse, ny * inverse, nz * inverse);
         } else if (kShading == kShadingFlat) {
-            c = Colour(value[0], value[1], value[2]);
+            c = Colour(nx, ny, nz);
         } else {
             mat4 a, d, s;
             if (kOneMaterial) {
@@ -174,10 +293,10 @@ void main() {
                 m = texelFetch(materials, 2);
                 s = mat4(m, m, m, m);
             } else {
-                for (int i = 0; i < 4; ++i) {
-                    a[i] = texelFetch(materials, material[i] * kMaterialTexels);
-                    d[i] = texelFetch(materials, material[i] * kMaterialTexels + 1);
-                    s[i] = texelFetch(materials, material[i] * kMaterialTexels + 2);
+                [[unroll]] for (int i = 0; i < 4; ++i) {
+                    a[i] = texelFetch(materials, material[r][i] * kMaterialTexels);
+                    d[i] = texelFetch(materials, material[r][i] * kMaterialTexels + 1);
+                    s[i] = texelFetch(materials, material[r][i] * kMaterialTexels + 2);
                 }
             }
             a = transpose(a);
@@ -235,11 +354,11 @@ void main() {
         if ((kWrite & kFillPlaneTriangle) != 0u) {
             uint slot = rowAt + kSlotTriangle * push.planeQuads;
             uvec4 behind = kPrior ? planes[slot] : uvec4(kNoTriangle);
-            if (mine) planes[slot] = mix(behind, uvec4(source) + push.firstTriangle, drawn);
+            if (mine) planes[slot] = mix(behind, uvec4(source[r]) + push.firstTriangle, drawn);
         }
         if ((kWrite & kFillPlaneLinear) != 0u) {
             uint slot = rowAt + kSlotLinear * push.planeQuads;
-            for (uint i = 0u; i < 3u; ++i) {
+            [[unroll]] for (uint i = 0u; i < 3u; ++i) {
                 vec4 behind = kPrior ? uintBitsToFloat(planes[slot]) : vec4(push.backgroundLinear[i]);
                 vec4 value = i == 0u ? c.r : i == 1u ? c.g : c.b;
                 if (mine) planes[slot] = floatBitsToUint(mix(behind, value, drawn));
@@ -248,7 +367,7 @@ void main() {
         }
         if ((kWrite & kFillPlaneNormal) != 0u) {
             uint slot = rowAt + kSlotNormal * push.planeQuads;
-            for (uint i = 0u; i < 3u; ++i) {
+            [[unroll]] for (uint i = 0u; i < 3u; ++i) {
                 vec4 behind = kPrior ? uintBitsToFloat(planes[slot]) : vec4(0.0);
                 vec4 value = i == 0u ? nx : i == 1u ? ny : nz;
                 if (mine) planes[slot] = floatBitsToUint(mix(behind, value, drawn));

@@ -20,6 +20,7 @@ struct FillChoices {
     uint32_t planes = 0;                 // gpu::kFillPlane bits that the plane buffer holds
     uint32_t write = 0;                  // of these: to write
     bool prior = false, wide = false, colour = true;
+    uint32_t subgroupSize = 0;           // device: 0 = every invocation sets up every triangle; else shared by shuffles
 };
 
 // Twin, first half: z bits and drawn triangle + 1 (0: none) of every pixel of a frame.

@@ -109,8 +109,8 @@ void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoice
                 for (uint32_t v : d.vertex) highest = std::max(highest, gpu::bitsOf(screen[v].z));
                 for (int i = 0; i < 3; ++i) w[i] = screen[d.vertex[i]].z * gpu::weightScale(highest);
                 const glm::vec4 &a0 = carried[d.vertex[0]], &a1 = carried[d.vertex[1]], &a2 = carried[d.vertex[2]];
-                for (int i = 0; i < 3; ++i) value[size_t(i)] = gpu::weigh(a0[i], a1[i], a2[i], w[0], w[1], w[2], e[0], e[1], e[2]);
-                value[3] = gpu::weightSum(w[0], w[1], w[2], e[0], e[1], e[2]);
+                for (int i = 0; i < 3; ++i) value[size_t(i)] = gpu::weigh(a0[i] * w[0], a1[i] * w[1], a2[i] * w[2], e[0], e[1], e[2]);
+                value[3] = gpu::weigh(w[0], w[1], w[2], e[0], e[1], e[2]);
             }
             gpu::Colour c{};
             if (choices.shading == gpu::kShadingUnlit) {

@@ -2,6 +2,7 @@
 #include "pipeline/passes/fill.h"
 
 #include <spirv/fill.h>
+#include <spirv/fill_shuffle.h>
 
 namespace plumb {
 
@@ -20,8 +21,11 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
     constants[11] = choices.wide;
     constants[12] = choices.colour;
     constants[13] = choices.write;
+    // Wide triangles need more words than are worth shuffling.
+    const bool shuffle = choices.subgroupSize >= 8 && choices.subgroupSize <= 64 && !choices.wide;
+    if (shuffle) constants[14] = choices.subgroupSize;
     const uint64_t tileOffset = uint64_t(firstTile) * sizeof(glm::uvec4);
-    recorder.dispatch("fill", spirv::fill, uint64_t(push.tileCount) * 8, push,
+    recorder.dispatch("fill", shuffle ? spirv::fill_shuffle : spirv::fill, uint64_t(push.tileCount) * 8, push,
                       {texels(b.draws, View::texelU32x4), texels(b.screen, View::texelU32x4), texels(b.carried, View::texelF32x4),
                        texels(b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
                        texels(b.entries, View::texelU32), texels(b.triangleMaterials, View::texelU32),

@@ -196,6 +196,7 @@ void GpuFrame::bin() {
 
 void GpuFrame::fill(FillChoices choices) {
     choices.wide = wide_;
+    choices.subgroupSize = device_.limits().subgroupShuffle ? device_.limits().subgroupSize : 0;
     choices.planes = planes_;
     // A list too long for one invocation is drawn in slices over the planes, as chunks are.
     uint32_t slices = 1;

@@ -50,9 +50,11 @@ inline uint ubitsOf(float x) { return std::bit_cast<uint>(x); }
 inline float floorReal(float x) { return std::floor(x); }
 inline float roundEvenReal(float x) { return std::nearbyint(x); }
 inline int shiftLeft(int x, int n) { return int(uint(x) << n); }
-inline int wrapMul(int a, int b) { return int(uint(a) * uint(b)); }
-inline int wrapAdd(int a, int b) { return int(uint(a) + uint(b)); }
-inline int wrapSub(int a, int b) { return int(uint(a) - uint(b)); }
+// Sign of a b - c d, exact for |values| < 2^31: -1, 0 or 1.
+inline int signOfDifference(int a, int b, int c, int d) {
+    const std::int64_t left = std::int64_t(a) * b, right = std::int64_t(c) * d;
+    return left > right ? 1 : left < right ? -1 : 0;
+}
 SHARED_END
 #else
 #extension GL_EXT_scalar_block_layout : require
@@ -88,8 +90,13 @@ float floorReal(float x) { return floor(x); }
 float roundEvenReal(float x) { return roundEven(x); }
 ivec4 shiftLeft(ivec4 x, int n) { return x << n; }
 int shiftLeft(int x, int n) { return x << n; }
-int wrapMul(int a, int b) { return a * b; }
-int wrapAdd(int a, int b) { return a + b; }
-int wrapSub(int a, int b) { return a - b; }
+int signOfDifference(int a, int b, int c, int d) {
+    int highL, lowL, highR, lowR;
+    imulExtended(a, b, highL, lowL);
+    imulExtended(c, d, highR, lowR);
+    bool equalWords = highL == highR && lowL == lowR;
+    bool greater = highL > highR || (highL == highR && uint(lowL) > uint(lowR));
+    return equalWords ? 0 : greater ? 1 : -1;
+}
 #endif
 #endif

@@ -47,23 +47,6 @@ SHARED_CONST uint kZeroArea = 2u;
 SHARED_CONST uint kDrawn = 3u;
 SHARED_CONST uint kClip = 4u;
 
-// Sign of a b - c d, exact for |values| < 2^31: -1, 0 or 1.
-#ifdef __cplusplus
-inline int signOfDifference(int a, int b, int c, int d) {
-    const std::int64_t left = std::int64_t(a) * b, right = std::int64_t(c) * d;
-    return left > right ? 1 : left < right ? -1 : 0;
-}
-#else
-int signOfDifference(int a, int b, int c, int d) {
-    int highL, lowL, highR, lowR;
-    imulExtended(a, b, highL, lowL);
-    imulExtended(c, d, highR, lowR);
-    bool equalWords = highL == highR && lowL == lowR;
-    bool greater = highL > highR || (highL == highR && uint(lowL) > uint(lowR));
-    return equalWords ? 0 : greater ? 1 : -1;
-}
-#endif
-
 // Twice the area of a triangle that faces the viewer is positive.
 SHARED_FN int facing(ivec2 p0, ivec2 p1, ivec2 p2) {
     return signOfDifference(p1.y - p0.y, p2.x - p0.x, p1.x - p0.x, p2.y - p0.y);

@@ -46,12 +46,9 @@ SHARED_FN bool wins(int z, int triangle, int bestZ, int bestTriangle) {
 // Perspective weights of the corners, scaled so that the nearest corner's is in [1, 2): squares of what they weigh stay normal.
 SHARED_FN float weightScale(int highestZ) { return realOf(0x7f000000 - (highestZ & 0x7f800000)); }
 
-// Sum of a corner value times its perspective weight times its edge value g_i = e_i + rho_i / 256: the attribute times
-// sum(w g). Normals are normalised afterwards; colours are divided by the same sum of the weights.
-SHARED_FN float weigh(float v0, float v1, float v2, float w0, float w1, float w2, float g0, float g1, float g2) {
-    return ((v0 * w0) * g1 + (v1 * w1) * g2) + (v2 * w2) * g0;
-}
-SHARED_FN float weightSum(float w0, float w1, float w2, float g0, float g1, float g2) { return (w0 * g1 + w1 * g2) + w2 * g0; }
+// Sum of corner values times their perspective weights (v w, rounded once) times the edge values g_i = e_i + rho_i / 256: the
+// attribute times sum(w g). Normals are normalised afterwards; colours are divided by the same sum of the weights alone.
+SHARED_FN Real weigh(float vw0, float vw1, float vw2, Real g0, Real g1, Real g2) { return (g1 * vw0 + g2 * vw1) + g0 * vw2; }
 
 // Planes that a draw can leave beside the encoded colour, in this order, only those asked for.
 SHARED_CONST uint kFillPlaneZ = 1u;         // bits of z; 0 where nothing is drawn
