@@ -90,10 +90,10 @@ private:
     }
 
     // One index of a corner; 0-based. Positive ones may name what comes later in the file, negative ones count back.
-    static uint32_t index(const Scanner& in, const char*& at, const char* end, size_t count, const char* field, bool& later) {
+    static uint32_t index(const Scanner& in, std::string_view word, const char*& at, size_t count, const char* field, bool& later) {
         int64_t value = 0;
-        const auto [rest, error] = std::from_chars(at, end, value);
-        if (error != std::errc()) in.refuse(fmt::format("face corner '{}': the {} index is not an integer", printable({at, size_t(end - at)}, 40), field));
+        const auto [rest, error] = std::from_chars(at, word.data() + word.size(), value);
+        if (error != std::errc()) in.refuse(fmt::format("face corner '{}': the {} index is not an integer", printable(word, 40), field));
         at = rest;
         if (value == 0) in.refuse(fmt::format("face corner: the {} index is 0; the first is 1", field));
         if (value < 0) value += int64_t(count) + 1;
@@ -108,12 +108,12 @@ private:
             const char* at = word.data();
             const char* const end = at + word.size();
             bool later = false;
-            uint32_t textureCoordinate = 0;
-            PolygonMesh::Corner corner{index(in, at, end, mesh_.positions.size(), "vertex", later)};
+            uint32_t textureCoordinate = kNone;
+            PolygonMesh::Corner corner{index(in, word, at, mesh_.positions.size(), "vertex", later)};
             if (at != end && *at == '/') {
                 ++at;
-                if (at != end && *at != '/') textureCoordinate = index(in, at, end, textureCoordinates_, "texture coordinate", later);
-                if (at != end && *at == '/') corner.normal = index(in, ++at, end, mesh_.normals.size(), "normal", later);
+                if (at != end && *at != '/') textureCoordinate = index(in, word, at, textureCoordinates_, "texture coordinate", later);
+                if (at != end && *at == '/') corner.normal = index(in, word, ++at, mesh_.normals.size(), "normal", later);
             }
             if (at != end) in.refuse(fmt::format("face corner '{}' is not v, v/vt, v//vn or v/vt/vn", printable(word, 40)));
             if (later) later_.push_back({mesh_.corners.size(), in.offset() - word.size(), textureCoordinate});
@@ -139,7 +139,7 @@ private:
         };
         if (corner.position >= mesh_.positions.size()) throw refuse("vertex", mesh_.positions.size());
         if (corner.normal != kNone && corner.normal >= mesh_.normals.size()) throw refuse("normal", mesh_.normals.size());
-        if (later.textureCoordinate > 0 && later.textureCoordinate >= textureCoordinates_) throw refuse("texture coordinate", textureCoordinates_);
+        if (later.textureCoordinate != kNone && later.textureCoordinate >= textureCoordinates_) throw refuse("texture coordinate", textureCoordinates_);
     }
 
     void smoothingGroup(Scanner& in) {
@@ -201,14 +201,17 @@ private:
     }
 
     glm::vec3 colour(Scanner& in, std::string_view field, bool& clamped) {
-        const std::string_view first = in.word();
-        glm::vec3 value(in.number(first, fmt::format("{} red", field)));
+        const auto channel = [&](std::string_view word, const char* name) {
+            const float value = in.number(word, fmt::format("{} {}", field, name));
+            if (value < 0) in.refuse(fmt::format("{} {} is negative", field, name));
+            return value;
+        };
+        glm::vec3 value(channel(in.word(), "red"));
         const std::string_view second = in.word();
         if (!second.empty() && second[0] != '#') {
-            value.y = in.number(second, fmt::format("{} green", field));
-            value.z = in.number(in.word(), fmt::format("{} blue", field));
+            value.y = channel(second, "green");
+            value.z = channel(in.word(), "blue");
         }
-        if (value.x < 0 || value.y < 0 || value.z < 0) in.refuse(fmt::format("{} is negative", field));
         const glm::vec3 inside = glm::min(value, glm::vec3(1));
         clamped |= inside != value;
         return inside;

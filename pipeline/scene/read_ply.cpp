@@ -77,8 +77,8 @@ private:
         in_.skipLine();
         bool formatKnown = false;
         while (true) {
-            if (in_.atEnd()) in_.refuse("the file ends inside the header");
             const std::string_view key = in_.word();
+            if (in_.atEnd() && key.empty()) in_.refuse("the file ends inside the header");
             if (key == "end_header") break;
             if (key == "format") {
                 const std::string_view format = in_.word();
