@@ -12,21 +12,33 @@ namespace plumb {
 // Smaller meshes would be lost among what the transform snaps to zero (accuracy.md C.1, row 1).
 static constexpr float kLeastExtent = 0x1p-100f;
 
-uint32_t addFinished(Scene& scene, TriangleMesh mesh, const std::string& place) {
+static uint32_t append(Scene& scene, TriangleMesh mesh, const std::string& place) {
     const glm::vec3 size = mesh.boundsMax - mesh.boundsMin;
     const float extent = std::max({size.x, size.y, size.z});
     if (extent > 0 && extent < kLeastExtent)
         throw inputError(place, fmt::format("the mesh is {:g} across; the smallest that is drawn is {:g}", extent, kLeastExtent));
-    const std::pair<uint32_t, const char*> repairs[] = {
-        {mesh.degenerateFaces, "faces have no area"},
-        {mesh.repairedNormals, "corner normals are zero or opposite to their face: the face's is used"},
-        {mesh.flushedDenormals, "denormal numbers are set to 0"},
-        {mesh.selfCrossingFaces, "faces cross themselves: they are cut as fans"},
-    };
-    for (const auto& [count, what] : repairs)
-        if (count > 0) scene.warnings.push_back(fmt::format("{}: {} {}", place, count, what));
     scene.meshes.push_back(std::move(mesh));
     return uint32_t(scene.meshes.size() - 1);
+}
+
+void warnOfRepairs(Scene& scene, size_t first, const std::string& place) {
+    const std::pair<uint32_t TriangleMesh::*, const char*> repairs[] = {
+        {&TriangleMesh::degenerateFaces, "faces have no area"},
+        {&TriangleMesh::repairedNormals, "corner normals are zero or opposite to their face: the face's is used"},
+        {&TriangleMesh::flushedDenormals, "denormal numbers are set to 0"},
+        {&TriangleMesh::selfCrossingFaces, "faces cross themselves: they are cut as fans"},
+    };
+    for (const auto& [member, what] : repairs) {
+        uint64_t count = 0;
+        for (size_t i = first; i < scene.meshes.size(); ++i) count += scene.meshes[i].*member;
+        if (count > 0) scene.warnings.push_back(fmt::format("{}: {} {}", place, count, what));
+    }
+}
+
+uint32_t addFinished(Scene& scene, TriangleMesh mesh, const std::string& place) {
+    const uint32_t index = append(scene, std::move(mesh), place);
+    warnOfRepairs(scene, index, place);
+    return index;
 }
 
 // finishMesh appends the materials of a mesh to those it is given. The scene has these already, so it is given a list
@@ -50,7 +62,7 @@ uint32_t addMesh(Scene& scene, PolygonMesh mesh, const std::string& place, const
     PLUMB_ASSERT(numbered.size() == used.size());
     for (uint32_t& material : finished.vertexMaterial) material = used.at(material);
     for (uint32_t& material : finished.faceMaterial) material = used.at(material);
-    return addFinished(scene, std::move(finished), place);
+    return append(scene, std::move(finished), place);
 }
 
 }  // namespace plumb

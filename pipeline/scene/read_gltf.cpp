@@ -851,7 +851,12 @@ Scene GltfFile::read() {
         if (animations->size() > 0) ignore(*animations, "animations");
     readMaterials();
     readNodes();
-    if (scene_.objects.empty()) file.refuse("nothing to draw: no node of the scene has a mesh of triangles");
+    if (scene_.objects.empty()) {
+        std::string ignored;
+        for (const std::string& what : scene_.ignored) ignored += (ignored.empty() ? " (not drawn: " : ", ") + what;
+        file.refuse("nothing to draw: no node of the scene has a mesh of triangles" + ignored + (ignored.empty() ? "" : ")"));
+    }
+    warnOfRepairs(scene_, 0, printablePath(path_));
 
     if (scene_.camera) {  // the distance to the middle of what is drawn, measured along the view
         dvec3 least(kMaxCoordinate), most(-kMaxCoordinate);

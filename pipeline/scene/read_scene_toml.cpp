@@ -573,7 +573,9 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
     } else {
         mesh.faceMaterial.assign(faces.size(), materialNode ? materialNamed(*materialNode, "mesh.material") : 0);
     }
-    return addMesh(scene_, std::move(mesh), place(table), options);
+    const uint32_t index = addMesh(scene_, std::move(mesh), place(table), options);
+    warnOfRepairs(scene_, index, place(table));
+    return index;
 }
 
 dmat4 SceneFile::readTransform(const toml::table& table, const std::string& field) const {
