@@ -199,8 +199,9 @@ void GpuFrame::fill(FillChoices choices) {
     choices.subgroupSize = device_.limits().subgroupShuffle ? device_.limits().subgroupSize : 0;
     choices.planes = planes_;
     // A list too long for one invocation is drawn in slices over the planes, as chunks are.
+    const uint32_t listLimit = chunk_->lights.size() > gpu::kManyLights ? gpu::kTileListLimitManyLights : gpu::kTileListLimit;
     uint32_t slices = 1;
-    for (const glm::uvec4& tile : tileRecords_) slices = std::max(slices, (tile.z + gpu::kTileListLimit - 1) / gpu::kTileListLimit);
+    for (const glm::uvec4& tile : tileRecords_) slices = std::max(slices, (tile.z + listLimit - 1) / listLimit);
     if (slices > 1 && !(choices.write & gpu::kFillPlaneZ)) throw TooLarge{"a tile's list needs slices"};
     gpu::FillPush push{};
     push.firstRow = uint32_t(band_.firstRow);
@@ -219,10 +220,10 @@ void GpuFrame::fill(FillChoices choices) {
     for (uint32_t slice = 0; slice < slices; ++slice) {
         std::vector<glm::uvec4> tiles;
         for (glm::uvec4 tile : tileRecords_) {
-            const uint32_t skip = slice * gpu::kTileListLimit;
+            const uint32_t skip = slice * listLimit;
             if (tile.z <= skip) continue;
             tile.y += skip;
-            tile.z = std::min(tile.z - skip, gpu::kTileListLimit);
+            tile.z = std::min(tile.z - skip, listLimit);
             tiles.push_back(tile);
         }
         put<glm::uvec4>(device_, tileBuffer_, tiles, "tile records");

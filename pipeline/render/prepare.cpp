@@ -169,6 +169,8 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
         l.place = light.directional ? glm::vec3(glm::normalize(light.direction)) : glm::vec3(light.position - view.eye);
         p.list.lights.push_back(l);
     }
+    if (p.list.lights.size() > gpu::kLightLimit)
+        throw inputError(scene.path, fmt::format("{} lights; a picture takes at most {}", p.list.lights.size(), gpu::kLightLimit));
     bool diffuse = false, specular = false, point = false;
     for (const gpu::MaterialRecord& m : p.list.materials) {
         diffuse |= !isZero(m.diffuse);

@@ -56,8 +56,12 @@ SHARED_CONST uint kFillPlaneTriangle = 2u;  // triangle of the scene, kNoTriangl
 SHARED_CONST uint kFillPlaneLinear = 4u;    // three planes
 SHARED_CONST uint kFillPlaneNormal = 8u;    // three planes: world, unit
 
-// A tile's list may be longer than one invocation may loop over (65,535 in all on lavapipe): longer ones are drawn in slices.
+// One invocation may loop 65,535 times in all (lavapipe): a list entry costs at most 9/8 rounds, a light four (one a row of the block).
+// Longer lists are drawn in slices; with many lights the slices are shorter.
 SHARED_CONST uint kTileListLimit = 40000u;
+SHARED_CONST uint kTileListLimitManyLights = 8000u;
+SHARED_CONST uint kManyLights = 4900u;
+SHARED_CONST uint kLightLimit = 13900u;
 
 struct FillPush {
     uint statusSlot;
