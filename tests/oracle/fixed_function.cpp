@@ -251,9 +251,9 @@ struct FixedFunction::Impl {
             stage.pName = "main";
         }
         stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
-        stages[0].module = shader(fixed_function_vert);
+        stages[0].module = shader(kFixedFunctionVert);
         stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
-        stages[1].module = shader(fixed_function_frag);
+        stages[1].module = shader(kFixedFunctionFrag);
         const VkVertexInputBindingDescription binding{0, sizeof(Vertex), VK_VERTEX_INPUT_RATE_VERTEX};
         const std::array<VkVertexInputAttributeDescription, 2> attributes{
             VkVertexInputAttributeDescription{0, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(Vertex, position)},

@@ -146,7 +146,7 @@ TEST(Witnesses, LeaveNoCrackAndNoOverlapInAFan) {
         std::vector<int> owners(kSide * kSide, 0);
         for (const SubpixelTriangle& t : fan)
             for (const CoveredSpan& s : coveredSpans(t, kSide, kSide))
-                for (int x = s.first; x < s.end; ++x) ++owners[size_t(s.row * kSide + x)];
+                for (int x = s.first; x < s.end; ++x) ++owners[size_t(s.row) * kSide + size_t(x)];
         EXPECT_EQ(std::accumulate(owners.begin(), owners.end(), 0), 24 * 24);
         EXPECT_EQ(*std::max_element(owners.begin(), owners.end()), 1);
         expectAgreement(fan, kSide, kSide);
