@@ -1,0 +1,364 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The command as a user meets it: exit codes, what goes to which stream, which files exist afterwards.
+
+usage: command_test.py PLUMB PLUMB_FAULTY [unittest arguments]   (PLUMB_FAULTY: tests/frame/faulty_renderer.cpp)
+"""
+import json
+import os
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PLUMB, FAULTY = sys.argv[1:3]
+CUBE = """v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1
+f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n"""
+NONE = {"VK_ICD_FILENAMES": "/nonexistent", "VK_DRIVER_FILES": "/nonexistent", "PLUMB_VALIDATION": "0"}
+
+
+def png_size(data):
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", data[:8]
+    return struct.unpack(">II", data[16:24])
+
+
+class Command(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="plumb-command-")
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.write("cube.obj", CUBE)
+
+    def write(self, name, text):
+        with open(os.path.join(self.folder, name), "w", encoding="utf-8") as f:
+            f.write(text)
+
+    def read(self, name):
+        with open(os.path.join(self.folder, name), "rb") as f:
+            return f.read()
+
+    def files(self):
+        return sorted(os.listdir(self.folder))
+
+    def run_plumb(self, *arguments, program=PLUMB, env=None, **keywords):
+        return subprocess.run([program, *arguments], cwd=self.folder, env={**os.environ, **(env or {})}, stdin=subprocess.DEVNULL,
+                              capture_output=not keywords, timeout=120, check=False, **keywords)
+
+    def expect(self, code, *arguments, says=None, **keywords):
+        done = self.run_plumb(*arguments, **keywords)
+        self.assertEqual(done.returncode, code, (arguments, done.stderr))
+        if says is not None:
+            self.assertIn(says, done.stderr.decode())
+        if code != 0:
+            self.assertTrue(done.stderr.startswith(b"plumb: ") or b"\nplumb: " in done.stderr, done.stderr)
+        return done
+
+    def twin(self, code, *arguments, **keywords):  # small and without a device
+        return self.expect(code, *arguments, "--device", "twin", "--size", "64x48", **keywords)
+
+
+class Rendering(Command):
+    def test_device_and_twin_write_the_same_file(self):
+        done = self.expect(0, "render", "cube.obj", "-o", "device.png", "--size", "64x48")
+        self.assertEqual(done.stdout, b"")
+        self.expect(0, "render", "cube.obj", "-o", "twin.png", "--size", "64x48", "--device", "twin")
+        self.assertEqual(png_size(self.read("device.png")), (64, 48))
+        self.assertEqual(self.read("device.png"), self.read("twin.png"))
+
+    def test_order_of_flags_changes_nothing(self):
+        self.twin(0, "render", "cube.obj", "-o", "a.png", "--shading", "flat", "--view", "iso")
+        self.twin(0, "--view", "iso", "-o", "b.png", "--shading=flat", "render", "cube.obj")
+        self.assertEqual(self.read("a.png"), self.read("b.png"))
+
+    def test_dash_is_a_png_on_stdout(self):
+        done = self.twin(0, "render", "cube.obj", "-o", "-")
+        self.assertEqual(png_size(done.stdout), (64, 48))
+        self.assertEqual(self.files(), ["cube.obj"])
+        self.twin(2, "render", "cube.obj", "-o", "-", "--json", says="standard output")
+        done = self.twin(0, "render", "cube.obj", "-o", "-", "--json=r.json")
+        png_size(done.stdout)
+        json.loads(self.read("r.json"))
+
+    def test_quiet_says_nothing(self):
+        done = self.twin(0, "render", "cube.obj", "-o", "a.png", "-q")
+        self.assertEqual((done.stdout, done.stderr), (b"", b""))
+
+    def test_no_clobber_refuses(self):
+        self.twin(0, "render", "cube.obj", "-o", "a.png", "--no-clobber")
+        before = self.read("a.png")
+        self.twin(2, "render", "cube.obj", "-o", "a.png", "--no-clobber", "--shading", "flat", says="--no-clobber")
+        self.assertEqual(self.read("a.png"), before)
+
+    def test_report_has_its_keys(self):
+        done = self.expect(0, "render", "cube.obj", "-o", "a.png", "--size", "64x48", "--json")
+        report = json.loads(done.stdout)
+        for key in ("tool", "host", "device", "fallback", "scene", "camera", "options", "plan", "time_ms", "image", "counters", "determinism", "memory", "output"):
+            self.assertIn(key, report)
+        self.assertEqual(set(report["tool"]), {"version", "git", "spirv"})
+        self.assertTrue(report["tool"]["spirv"])
+        self.assertTrue(all(len(h) == 64 for h in report["tool"]["spirv"].values()))
+        self.assertTrue({"cpu_vendor", "cpu_model", "threads"} <= set(report["host"]))
+        self.assertTrue({"name", "type", "driver", "driverInfo", "api", "limits", "reason"} <= set(report["device"]))
+        self.assertTrue({"path", "sha256", "triangles", "objects", "ignored", "warnings"} <= set(report["scene"]))
+        self.assertEqual(report["scene"]["triangles"], 12)
+        self.assertEqual(set(report["plan"]), {"passes", "skipped", "choices"})
+        self.assertTrue({"load", "device", "passes", "render", "write", "total"} <= set(report["time_ms"]))
+        self.assertTrue({"sha256_pixels", "size", "covered", "distinct_colours", "blank", "nan", "inf"} <= set(report["image"]))
+        self.assertEqual(report["image"]["size"], [64, 48])
+        self.assertTrue(0.05 < report["image"]["covered"] < 0.9)
+        self.assertFalse(report["image"]["blank"])
+        self.assertEqual(report["determinism"], "bits")
+        self.assertEqual(report["output"], ["a.png"])
+        twin = json.loads(self.twin(0, "render", "cube.obj", "-o", "b.png", "--json").stdout)
+        self.assertEqual(twin["device"]["type"], "twin")
+        self.assertEqual(twin["image"]["sha256_pixels"], report["image"]["sha256_pixels"])
+
+    def test_turntable_needs_a_placeholder_and_makes_an_array(self):
+        self.twin(2, "render", "cube.obj", "--turntable", "3", "-o", "spin.png", says="{n}")
+        self.assertEqual(self.files(), ["cube.obj"])
+        done = self.twin(0, "render", "cube.obj", "--turntable", "11", "-o", "spin_{n}.png", "--json")
+        self.assertEqual(self.files(), ["cube.obj"] + [f"spin_{i:02}.png" for i in range(11)])
+        reports = json.loads(done.stdout)
+        self.assertEqual([r["output"] for r in reports], [[f"spin_{i:02}.png"] for i in range(11)])
+        self.twin(2, "render", "cube.obj", "-o", "x_{m}.png", says="placeholders")
+        self.twin(0, "render", "cube.obj", "-o", "still.png")
+        self.assertEqual(self.read("still.png")[-200:], self.read("spin_00.png")[-200:], "a turn begins where the still picture stands")
+
+    def test_views_make_a_sheet_or_several_files(self):
+        self.twin(0, "render", "cube.obj", "--view", "front", "--view", "iso", "--view", "-30,20", "-o", "sheet.png")
+        self.assertEqual(png_size(self.read("sheet.png")), (128, 96))
+        self.twin(0, "render", "cube.obj", "--view", "front", "--view", "iso", "-o", "{view}.png")
+        self.twin(0, "render", "cube.obj", "--view", "iso", "-o", "alone.png")
+        self.assertEqual(self.read("iso.png"), self.read("alone.png"))
+        self.twin(2, "render", "cube.obj", "--view", "front", "--view", "front", "-o", "{view}.png", says="two pictures")
+        self.twin(2, "render", "cube.obj", "--view", "front", "--view", "iso", "-o", "x.exr", says="contact sheet")
+
+    def test_planes_go_where_they_fit(self):
+        self.twin(2, "render", "cube.obj", "--aov", "depth", "-o", "a.png", says="color only")
+        self.twin(2, "render", "cube.obj", "--aov", "depth,normal", "-o", "a.npy", says="{aov}")
+        self.twin(2, "render", "cube.obj", "--bits", "16", "-o", "a.npy", says="--bits")
+        self.twin(2, "render", "cube.obj", "-o", "a.jpg", says=".png, .exr or .npy")
+        self.assertEqual(self.files(), ["cube.obj"])
+        self.twin(0, "render", "cube.obj", "--aov", "depth,normal,object_id,primitive_id,color,distance", "-o", "a.exr")
+        self.assertEqual(self.read("a.exr")[:4], b"\x76\x2f\x31\x01")
+        self.twin(0, "render", "cube.obj", "--aov", "depth,id", "-o", "p_{aov}.npy")
+        depth, ids = self.read("p_depth.npy"), self.read("p_object_id.npy")
+        self.assertIn(b"'<f4'", depth[:128])
+        self.assertIn(b"(48, 64)", depth[:128])
+        z = struct.unpack("<3072f", depth[-4 * 3072:])
+        o = struct.unpack("<3072I", ids[-4 * 3072:])
+        self.assertTrue(all((d == float("inf")) == (i == 0xffffffff) for d, i in zip(z, o)))
+        self.assertIn(0, o)
+        self.twin(0, "render", "cube.obj", "--bits", "16", "-o", "deep.png")
+        self.assertEqual(self.read("deep.png")[24:26], bytes((16, 2)))
+        self.twin(0, "render", "cube.obj", "--background", "transparent", "-o", "clear.png")
+        self.assertEqual(self.read("clear.png")[24:26], bytes((8, 6)))
+
+    def test_background_has_the_bytes_that_were_asked_for(self):
+        for curve in ("srgb", "linear"):
+            self.twin(0, "render", "cube.obj", "--background", "#1280fe", "--encode", curve, "--aov", "color", "-o", "a.npy")
+            self.assertEqual(self.read("a.npy")[128:132], bytes((0x12, 0x80, 0xfe, 0xff)), curve)
+
+    def test_explain_says_what_runs(self):
+        done = self.twin(0, "render", "cube.obj", "--explain")
+        self.assertIn(b"passes: ", done.stdout)
+        self.assertEqual(self.files(), ["cube.obj"])
+        done = self.twin(0, "render", "cube.obj", "--explain", "-o", "a.png")
+        self.assertEqual(done.stdout, b"")
+        self.assertIn(b"passes: ", done.stderr)
+
+    def test_camera_flags_move_the_camera(self):
+        camera = json.loads(self.twin(0, "render", "cube.obj", "-o", "a.png", "--json", "--eye", "0,0,5", "--at", "0,0,0", "--fov", "40", "--near", "0.25").stdout)["camera"]
+        self.assertEqual((camera["eye"], camera["forward"], camera["up"]), ([0, 0, 5], [0, 0, -1], [0, 1, 0]))
+        self.assertEqual((camera["fovYDegrees"], camera["near"], camera["focusDistance"]), (40, 0.25, 5))
+        self.twin(2, "render", "cube.obj", "-o", "b.png", "--eye", "1,1,1", "--at", "1,1,1", says="same point")
+        self.twin(0, "render", "cube.obj", "-o", "top.png", "--eye", "0,9,0", "--at", "0,0,0")
+
+
+class Failures(Command):
+    def nothing_written(self):
+        self.assertEqual(self.files(), ["cube.obj"])
+
+    def test_usage_is_2(self):
+        for arguments in (["render", "cube.obj"], ["render", "cube.obj", "-o", "a.png", "--size", "x"], ["render", "-o", "a.png"], ["nonsense"], [], ["diff", "a", "b"],
+                          ["render", "cube.obj", "-o", "a.png", "--view", "front", "--eye", "1,2,3"], ["render", "cube.obj", "-o", "."]):
+            done = self.expect(2, *arguments)
+            self.assertEqual(done.stderr.count(b"\n"), 1, done.stderr)
+            self.assertEqual(done.stdout, b"")
+        self.nothing_written()
+
+    def test_input_is_3(self):
+        self.write("bad.obj", "v 0 0 0\nf 1 2 3\n")
+        self.twin(3, "render", "bad.obj", "-o", "a.png", says="bad.obj:2")
+        self.twin(3, "render", "missing.obj", "-o", "a.png", says="missing.obj")
+        self.twin(3, "render", "cube.xyz", "-o", "a.png")
+        self.expect(3, "info", "missing.obj")
+        os.remove(os.path.join(self.folder, "bad.obj"))
+        self.nothing_written()
+
+    def test_strict_refuses_a_missing_material_library(self):
+        self.write("lib.obj", "mtllib none.mtl\nusemtl x\n" + CUBE)
+        done = self.twin(0, "render", "lib.obj", "-o", "a.png", "--json")
+        self.assertEqual(len(json.loads(done.stdout)["scene"]["warnings"]), 1)
+        self.twin(3, "render", "lib.obj", "-o", "b.png", "--strict")
+        self.assertNotIn("b.png", self.files())
+
+    def test_device_is_4(self):
+        self.expect(4, "render", "cube.obj", "-o", "a.png", "--require-device", "gpu")
+        self.expect(4, "render", "cube.obj", "-o", "a.png", "--device", "no such device")
+        self.expect(4, "devices", "--require-device", "gpu")
+        self.expect(4, "verify", "cube.obj", env=NONE)
+        self.expect(4, "render", "cube.obj", "-o", "a.png", "--require-device", "lavapipe", env=NONE)
+        self.nothing_written()
+
+    def test_without_an_icd_the_twin_draws_the_same(self):
+        done = self.expect(0, "render", "cube.obj", "-o", "none.png", "--size", "64x48", env=NONE)
+        self.assertIn(b"mesa-vulkan-drivers", done.stderr)
+        self.twin(0, "render", "cube.obj", "-o", "twin.png")
+        self.assertEqual(self.read("none.png"), self.read("twin.png"))
+        self.expect(0, "devices", env=NONE)
+
+    def test_write_failure_is_5(self):
+        self.twin(5, "render", "cube.obj", "-o", "no/such/folder.png", says="No such file")
+        with open("/dev/full", "wb") as full:
+            done = self.run_plumb("render", "cube.obj", "-o", "-", "--device", "twin", "--size", "64x48", stdout=full, stderr=subprocess.PIPE)
+            self.assertEqual(done.returncode, 5, done.stderr)
+            self.assertEqual(self.run_plumb("info", "cube.obj", stdout=full, stderr=subprocess.PIPE).returncode, 5)
+        self.nothing_written()
+
+    def test_closed_stdout_is_5_and_no_file_gets_its_number(self):
+        done = subprocess.run(["sh", "-c", f"'{PLUMB}' render cube.obj -o a.png --json --device twin --size 64x48 >&-"], cwd=self.folder, capture_output=True, check=False)
+        self.assertEqual(done.returncode, 5, done.stderr)
+        if "a.png" in self.files():
+            self.assertNotIn(b"{", self.read("a.png")[:1])
+
+    def test_full_disk_leaves_the_old_file(self):
+        self.write("a.png", "old")
+        done = subprocess.run(["bash", "-c", f"ulimit -f 1; '{PLUMB}' render cube.obj -o a.png --device twin --size 400x400"], cwd=self.folder, capture_output=True, check=False)
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertEqual(self.read("a.png"), b"old")
+        self.assertEqual(self.files(), ["a.png", "cube.obj"])
+
+    def test_blank_is_7(self):
+        away = ("--eye", "0,0,9", "--at", "0,0,99", "-o", "a.png")
+        done = self.twin(7, "render", "cube.obj", *away, "--fail-blank", "--json", says="blank")
+        self.assertTrue(json.loads(done.stdout)["image"]["blank"])
+        self.nothing_written()
+        self.twin(7, "render", "cube.obj", "-o", "a.png", "--fail-blank=95%")
+        self.nothing_written()
+        self.twin(0, "render", "cube.obj", *away)
+
+    def test_signals_end_the_run_and_leave_nothing(self):
+        for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            with subprocess.Popen([PLUMB, "render", "cube.obj", "-o", "a.png", "--device", "twin", "--size", "6000x6000", "--samples", "16", "--limit-band", "8", "--progress", "json"],
+                                  cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+                for line in process.stderr:
+                    if b"progress" in line and json.loads(line)["progress"] > 0:
+                        break
+                process.send_signal(number)
+                _, rest = process.communicate(timeout=60)
+                self.assertEqual(process.returncode, code, rest)
+            self.nothing_written()
+
+
+class Faults(Command):
+    def faulty(self, code, fault, *arguments, **keywords):
+        return self.expect(code, *arguments, "--size", "64x48", program=FAULTY, env={"PLUMB_FAULT": fault}, **keywords)
+
+    def test_a_lost_device_is_opened_afresh(self):
+        done = self.faulty(0, "lost-once", "render", "cube.obj", "-o", "a.png", "--json", says="opened afresh")
+        report = json.loads(done.stdout)
+        self.assertEqual(len(report["fallback"]), 1)
+        self.assertNotEqual(report["device"]["type"], "twin")
+
+    def test_a_device_that_fails_twice_gives_way_to_the_twin(self):
+        done = self.faulty(0, "lost", "render", "cube.obj", "-o", "a.png", "--json", says="the CPU twin draws")
+        report = json.loads(done.stdout)
+        self.assertEqual(len(report["fallback"]), 2)
+        self.assertEqual(report["device"]["type"], "twin")
+        self.twin(0, "render", "cube.obj", "-o", "twin.png")
+        self.assertEqual(self.read("a.png"), self.read("twin.png"))
+
+    def test_a_required_device_is_not_replaced(self):
+        self.faulty(5, "lost", "render", "cube.obj", "-o", "a.png", "--require-device", "lavapipe")
+        self.assertEqual(self.files(), ["cube.obj"])
+
+    def test_nan_is_5(self):
+        self.faulty(5, "nan", "render", "cube.obj", "-o", "a.exr", says="NaN")
+        self.assertEqual(self.files(), ["cube.obj"])
+
+    def test_a_difference_is_1_with_evidence(self):
+        done = self.run_plumb(
+            "verify", "cube.obj", "cube.obj", "-o", "e.png", "--json", "--size", "64x48", program=FAULTY, env={"PLUMB_FAULT": "differs"})
+        self.assertEqual(done.returncode, 1, done.stderr)
+        reports = json.loads(done.stdout)
+        self.assertEqual([r["verify"]["equal"] for r in reports], [False, False])
+        self.assertIn("pixel (0, 0)", reports[0]["verify"]["mismatches"][0]["what"])
+        self.assertEqual(self.files(), ["cube.obj"] + [f"e.{i}.{side}.png" for i in (0, 1) for side in ("device", "diff", "twin")])
+
+
+class Verify(Command):
+    def test_device_and_twin_are_equal(self):
+        done = self.expect(0, "verify", "cube.obj", "--size", "64x48")
+        self.assertIn(b"equal", done.stdout)
+        self.assertNotIn(b"differs", done.stdout)
+        report = json.loads(self.expect(0, "verify", "cube.obj", "--size", "33x21", "--samples", "4", "--json", "-o", "e.png").stdout)
+        self.assertTrue(report["verify"]["equal"])
+        for plane in report["verify"]["planes"]:
+            self.assertEqual(plane["sha256_twin"], plane["sha256_device"])
+        self.assertEqual(self.files(), ["cube.obj"])
+
+
+class Telling(Command):
+    def test_devices_names_what_would_be_picked(self):
+        report = json.loads(self.expect(0, "devices", "--json").stdout)
+        picked = [d for d in report["devices"] if d["picked"]]
+        self.assertEqual(len(picked), 1)
+        self.assertTrue(picked[0]["lavapipe"])
+        self.assertTrue(picked[0]["selfTest"]["passed"])
+        self.assertIn(b"self-test passed", self.expect(0, "devices").stdout)
+
+    def test_info_judges_a_mesh(self):
+        self.write("open.obj", "\n".join(CUBE.split("\n")[:-2]) + "\n")
+        closed, opened = json.loads(self.expect(0, "info", "cube.obj", "open.obj", "--json").stdout)
+        mesh = closed["meshes"][0]
+        self.assertEqual((mesh["faces"], mesh["triangles"], mesh["positions"], mesh["edges"]), (6, 12, 8, 18))
+        self.assertTrue(mesh["closed"])
+        self.assertEqual((mesh["boundary_edges"], mesh["non_manifold_edges"], mesh["flipped_edges"]), (0, 0, 0))
+        self.assertEqual(mesh["bounds"], {"min": [-1, -1, -1], "max": [1, 1, 1]})
+        self.assertEqual(opened["meshes"][0]["boundary_edges"], 4)
+        self.write("flipped.obj", CUBE.replace("f 4 3 2 1", "f 1 2 3 4") + "v 0 -5 0\nf 1 2 9\n")
+        mesh = json.loads(self.expect(0, "info", "flipped.obj", "--json").stdout)["meshes"][0]
+        self.assertGreater(mesh["flipped_edges"], 0)
+        self.assertEqual(mesh["non_manifold_edges"], 1)
+        text = self.expect(0, "info", "cube.obj").stdout
+        self.assertIn(b"closed", text)
+
+    def test_help_version_and_man(self):
+        for command in ("render", "verify", "devices", "info", "help"):
+            done = self.expect(0, "help", command)
+            if command != "help":
+                self.assertEqual(done.stdout, self.expect(0, command, "--help").stdout)
+            self.assertGreaterEqual(done.stdout.count(f"\n  plumb {command}".encode()), 3)
+        self.assertRegex(self.expect(0, "--version").stdout.decode(), r"^plumb \d+\.\d+\.\d+ \(")
+        self.assertTrue(self.expect(0, "help", "--man").stdout.startswith(b".TH PLUMB 1"))
+
+    def test_bash_completes_commands_flags_and_values(self):
+        script = self.expect(0, "help", "--completion", "bash").stdout.decode()
+
+        def completed(*words):
+            line = script + 'COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _plumb; printf "%s\\n" "${COMPREPLY[@]}"'
+            return subprocess.run(["bash", "-c", line, "plumb", *words], capture_output=True, text=True, check=True, cwd=self.folder).stdout.split()
+
+        self.assertEqual(completed("plumb", "re"), ["render"])
+        self.assertEqual(completed("plumb", "render", "--shad"), ["--shading"])
+        self.assertEqual(completed("plumb", "render", "--shading", "g"), ["gouraud"])
+        self.assertEqual(completed("plumb", "render", "cu"), ["cube.obj"])
+        self.assertNotIn("--limit-band", completed("plumb", "render", "--"))
+        self.assertNotIn("--size", completed("plumb", "info", "--"))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
