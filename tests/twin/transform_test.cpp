@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/passes/transform.h"
+
+#include "tests/twin/pass_frame.h"
+
+namespace plumb::test {
+namespace {
+
+struct Row {
+    const char* name;
+    uint32_t first, count;  // vertices of the dispatch, within as many more before it
+    bool normals;
+};
+std::ostream& operator<<(std::ostream& out, const Row& r) { return out << r.name; }
+
+class TransformTwin : public OnDevice<::testing::TestWithParam<Row>> {};
+
+// Beside random points: in the eye's plane, behind it, exactly on the near plane and on every guard plane, on ties of the snap
+// (an odd number of half sub-pixels) and one ULP beside them, and as far as an object matrix allows.
+std::vector<glm::vec4> pointsFor(View v, uint32_t count) {
+    Random r(29);
+    const double guardX = v.width / 2.0 + 8192, guardY = v.height / 2.0 + 8192;
+    std::vector<glm::vec4> points;
+    const auto add = [&](glm::vec3 p) { points.emplace_back(p, 1.0f); };
+    for (double w : {-1.0, 0.0, 0.125, 0.25, 1.0, 4.0}) add({0.5f, -0.25f, float(-w)});
+    add({0.5f, 0.5f, std::nextafter(-float(kNear), 0.0f)});
+    add({0.5f, 0.5f, std::nextafter(-float(kNear), -1.0f)});
+    for (double side : {-1.0, 1.0}) {
+        add(v.pointAt(v.width / 2.0 + side * guardX, 3, 2));
+        add(v.pointAt(3, v.height / 2.0 + side * guardY, 2));
+        add({float(side * 0x1p60), 1, -1});
+    }
+    for (int half = -9; half <= 9; half += 2) {
+        const glm::vec3 p = v.pointAt(40 + half * kSubpixel / 2, 20 - half * kSubpixel / 2, 1);
+        add(p);
+        add({std::nextafter(p.x, 10.0f), std::nextafter(p.y, 10.0f), p.z});
+        add({std::nextafter(p.x, -10.0f), std::nextafter(p.y, -10.0f), p.z});
+    }
+    while (points.size() < count) add({float(r(-20, 20)), float(r(-20, 20)), float(r(-30, 3))});
+    return points;
+}
+
+TEST_P(TransformTwin, LeavesTheSameBytes) {
+    const Row& row = GetParam();
+    const SceneCase c{"soupSmall", soupSmall, 131, 67};
+    const DrawList list = prepare(c.scene(), requestOf(c)).list;
+    const uint32_t total = row.first + row.count;
+    const std::vector<glm::vec4> positions = pointsFor(c.view(), total);
+    Random r(31);
+    std::vector<glm::vec4> normals;
+    for (size_t i = 0; i < positions.size(); ++i) normals.emplace_back(r.direction(), 0.0f);
+    gpu::ObjectRecord turned = list.objects[0];
+    turned.rowX = {200, 3.7f, -30, 1};
+    turned.normal0 = {0.3f, -0.4f, 0.9f, 0};
+    const std::vector<gpu::ObjectRecord> objects = {list.objects[0], turned};
+    size_t visible = 0, cut = 0;
+    for (uint32_t object = 0; object < objects.size(); ++object) {
+        const gpu::TransformPush push{0, row.first, row.count, object, list.viewport};
+        std::vector<gpu::ScreenVertex> screen(total);
+        std::vector<glm::vec4> carried(total);
+        transformCpu(push, row.normals, positions, normals, objects, screen, carried, 1);
+        for (const gpu::ScreenVertex& s : std::span(screen).subspan(row.first)) ++(s.outcode == 0 ? visible : cut);
+        for (const Specialization& exact : exactForms(device())) {
+            Recorder recorder(device());
+            auto p = bufferOf(device(), positions), n = bufferOf(device(), normals);
+            auto o = bufferOf(device(), objects);
+            Buffer<gpu::ScreenVertex> gotScreen(device(), total + kSentinels, "screen");
+            Buffer<glm::vec4> gotCarried(device(), total + kSentinels, "carried");
+            gotScreen.fill(kSentinel);
+            gotCarried.fill(kSentinel);
+            recordTransform(recorder, push, row.normals, exact, p, n, o, gotScreen, gotCarried);
+            recorder.run(kWatchdogMs);
+            expectSame<gpu::ScreenVertex>("transform: vertex", std::span(screen).subspan(row.first),
+                                          gotScreen.span().subspan(row.first, row.count));
+            if (row.normals)
+                expectSame<glm::vec4>("transform: normal", std::span(carried).subspan(row.first),
+                                      gotCarried.span().subspan(row.first, row.count));
+            expectSentinels("transform: vertices", gotScreen, total);
+            expectSentinels("transform: normals", gotCarried, row.normals ? total : 0);
+        }
+    }
+    EXPECT_GT(visible, 0u);
+    EXPECT_TRUE(cut > 0 || row.count == 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Counts, TransformTwin,
+                         ::testing::Values(Row{"one", 5, 1, true}, Row{"nineteen", 0, 19, true}, Row{"nineteen_from_7", 7, 19, false},
+                                           Row{"sixty_three", 0, 63, true}, Row{"sixty_four", 0, 64, true},
+                                           Row{"sixty_five", 0, 65, false}, Row{"many", 1, 70001, true}),
+                         [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace plumb::test
