@@ -12,6 +12,7 @@ namespace plumb {
 struct LoadOptions {
     bool allowOutside = false;        // references may leave the folder of the file that names them
     bool strict = false;              // ignored features and missing material libraries are refused
+    bool keepMaterials = true;        // false: the caller replaces them, so material libraries are not looked for
     double creaseDegrees = 60;        // missing normals: faces meeting at less are smooth
     double progressMinimumMs = 0;
     std::function<void(double)> onProgress; // 0..1

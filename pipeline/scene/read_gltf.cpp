@@ -5,6 +5,7 @@
 // What a file asks for and is not drawn goes into Scene::ignored, once a kind; with `strict` it is refused.
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/affine.h"
+#include "pipeline/scene/sha256.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -16,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <unordered_map>
 
 namespace plumb {
@@ -824,6 +826,7 @@ Scene GltfFile::read() {
     isGlb_ = bytes_.starts_with("glTF");
     parse(isGlb_ ? unpackGlb() : std::string_view(bytes_));
     scene_.path = path_.string();
+    scene_.sha256 = sha256Hex(std::as_bytes(std::span(bytes_)));
 
     const Value file = root();
     const Value version = file.required("asset").required("version");

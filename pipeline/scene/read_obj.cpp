@@ -174,6 +174,7 @@ private:
     void materialLibraries(Scanner& in) {
         const std::string_view all = in.restOfLine();
         if (all.empty()) in.refuse("material library is missing");
+        if (!options_.keepMaterials) return;
         // A name may contain blanks, and the format also permits several names.
         if (materialLibrary(in, all, all.find_first_of(" \t") == std::string_view::npos)) return;
         for (std::string_view rest = all; !rest.empty();) {
@@ -303,7 +304,7 @@ private:
             if (material != kNone) material = indexOf[material];
         if (!missing_.empty())
             mesh_.warnings.push_back(fmt::format("{}; {} faces have the default material", missing_, lost));
-        else if (lost > 0)
+        else if (lost > 0 && options_.keepMaterials)
             mesh_.warnings.push_back(fmt::format("{}: material '{}' is not defined; {} faces have the default material", printablePath(path_), printable(firstLost), lost));
         if (clamped > 0) mesh_.warnings.push_back(fmt::format("{}: values outside the range are clamped; {} such materials are used", firstClamped, clamped));
     }

@@ -5,6 +5,7 @@
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/affine.h"
 #include "pipeline/scene/degrees.h"
+#include "pipeline/scene/sha256.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -12,7 +13,9 @@
 #include <fmt/format.h>
 #include <map>
 #include <set>
+#include <span>
 #include <toml++/toml.h>
+#include <tuple>
 
 namespace plumb {
 namespace {
@@ -23,6 +26,7 @@ using glm::dvec3;
 // A TOML value takes about 90 bytes of memory and at least two of text; larger meshes belong in a mesh file.
 constexpr uint64_t kMaxSceneFileBytes = uint64_t(16) << 20;
 constexpr int kMaxDepth = 64;            // of keys and of object hierarchies: what recurses stays off the stack's end
+constexpr uint64_t kMaxCopiedTriangles = uint64_t(1) << 26;  // 5 GiB: more is a file that means to fill the memory
 constexpr double kMaxShininess = 1e6;
 constexpr uint32_t kMaxImageSide = 65536;
 
@@ -68,6 +72,11 @@ dmat4 rotation(const dvec3& axis, double degrees) {
                      y * x * v + z * s, c + y * y * v, y * z * v - x * s, 0,
                      z * x * v - y * s, z * y * v + x * s, c + z * z * v, 0,
                      0, 0, 0, 1});
+}
+
+void paint(TriangleMesh& mesh, uint32_t material) {
+    std::fill(mesh.vertexMaterial.begin(), mesh.vertexMaterial.end(), material);
+    std::fill(mesh.faceMaterial.begin(), mesh.faceMaterial.end(), material);
 }
 
 // Levenshtein's, blind to the case of ASCII letters.
@@ -175,10 +184,6 @@ private:
     void linkParents();
     void placeObjects();
 
-    struct Mesh {
-        uint32_t index;              // into scene_.meshes
-        uint32_t material = kNone;   // replaces all of a file's materials
-    };
     struct Node {
         std::string name;
         const toml::table* table;    // for places; lives as long as read()
@@ -190,19 +195,20 @@ private:
         int depth = 0;
         bool placed = false;
     };
-    uint32_t meshWithMaterial(uint32_t mesh, uint32_t material);
+    uint32_t meshWithMaterial(uint32_t mesh, uint32_t material, const toml::table& place);
 
     std::filesystem::path path_;
     LoadOptions options_;
     Scene scene_;
     std::map<std::string, uint32_t, std::less<>> materials_;  // "default" is material 0; a file may restate it once
     bool defaultStated_ = false;
-    std::map<std::string, Mesh, std::less<>> meshes_;
+    std::map<std::string, uint32_t, std::less<>> meshes_;  // into scene_.meshes
     std::vector<std::string> meshNames_;   // in file order
-    std::map<std::pair<std::string, double>, uint32_t> meshFiles_;  // (file, crease): read once
+    std::map<std::tuple<std::string, double, uint32_t>, uint32_t> meshFiles_;  // (file, crease, material): read once
     std::vector<Node> nodes_;
     std::map<std::string, int, std::less<>> nodeNames_;
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> recoloured_;  // (mesh, material): the copy
+    uint64_t copiedTriangles_ = 0;
 };
 
 // toml++ limits nested values itself, but not the parts of a dotted key, and frees its tables recursively.
@@ -511,7 +517,7 @@ void SceneFile::readMesh(const toml::table& table) {
     LoadOptions options = options_;
     if (const auto* node = table.get("crease")) options.creaseDegrees = numberOf(*node, "mesh.crease", 0, 180);
 
-    Mesh mesh{};
+    uint32_t index;
     if (const auto* fileNode = table.get("file")) {
         for (const char* key : {"vertices", "faces", "face_materials"})
             if (const auto* other = table.get(key)) refuse(*other, fmt::format("mesh.{} beside mesh.file", key));
@@ -520,15 +526,20 @@ void SceneFile::readMesh(const toml::table& table) {
         std::error_code code;
         if (!std::filesystem::exists(file, code))
             refuse(*fileNode, fmt::format("mesh.file '{}' does not exist", printable(reference)));
-        const std::pair key(file.lexically_normal().string(), options.creaseDegrees);
-        const auto read = meshFiles_.find(key);
-        mesh.index = read != meshFiles_.end() ? read->second : addMeshFile(scene_, file, options);
-        meshFiles_[key] = mesh.index;
-        if (const auto* node = table.get("material")) mesh.material = materialNamed(*node, "mesh.material");
+        const auto* materialNode = table.get("material");
+        const uint32_t material = materialNode ? materialNamed(*materialNode, "mesh.material") : kNone;
+        const std::tuple key(file.lexically_normal().string(), options.creaseDegrees, material);
+        const auto [read, isNew] = meshFiles_.try_emplace(key);
+        if (isNew) {
+            options.keepMaterials = material == kNone;
+            read->second = addMeshFile(scene_, file, options);
+            if (material != kNone) paint(scene_.meshes[read->second], material);
+        }
+        index = read->second;
     } else {
-        mesh.index = readInlineMesh(table, name, options);
+        index = readInlineMesh(table, name, options);
     }
-    meshes_[name] = mesh;
+    meshes_[name] = index;
     meshNames_.push_back(name);
 }
 
@@ -660,8 +671,7 @@ void SceneFile::readObject(const toml::table& table, int parent, int depth) {
         if (found == meshes_.end())
             refuse(*meshNode, fmt::format("object.mesh names the unknown mesh '{}'{}", printable(mesh, 64),
                                           suggestion(mesh, meshNames_)));
-        node.mesh = found->second.index;
-        node.material = found->second.material;
+        node.mesh = found->second;
         node.name = mesh;
     }
     if (const auto* nameNode = table.get("name")) {
@@ -735,19 +745,21 @@ void SceneFile::placeObjects() {
         if (node.mesh == kNone) continue;
         Object object;
         object.name = node.name;
-        object.mesh = node.material == kNone ? node.mesh : meshWithMaterial(node.mesh, node.material);
+        object.mesh = node.material == kNone ? node.mesh : meshWithMaterial(node.mesh, node.material, *node.table);
         object.worldFromObject = node.worldFromNode;
         scene_.objects.push_back(std::move(object));
     }
 }
 
 // A TriangleMesh carries its materials, so an object that replaces them draws a copy; one for each (mesh, material).
-uint32_t SceneFile::meshWithMaterial(uint32_t mesh, uint32_t material) {
+uint32_t SceneFile::meshWithMaterial(uint32_t mesh, uint32_t material, const toml::table& place) {
     const auto [found, isNew] = recoloured_.try_emplace({mesh, material}, uint32_t(scene_.meshes.size()));
     if (isNew) {
+        copiedTriangles_ += scene_.meshes[mesh].triangles.size();
+        if (copiedTriangles_ > kMaxCopiedTriangles)
+            refuse(place, fmt::format("object.material copies more than {} triangles in all", kMaxCopiedTriangles));
         TriangleMesh copy = scene_.meshes[mesh];
-        std::fill(copy.vertexMaterial.begin(), copy.vertexMaterial.end(), material);
-        std::fill(copy.faceMaterial.begin(), copy.faceMaterial.end(), material);
+        paint(copy, material);
         scene_.meshes.push_back(std::move(copy));
     }
     return found->second;
@@ -765,6 +777,7 @@ Scene SceneFile::read() {
     allowKeys(root, "the scene", {"handedness", "up", "ambient", "background", "encoding", "shading", "size", "cull",
                                   "camera", "material", "light", "mesh", "object"});
     scene_.path = path_.string();
+    scene_.sha256 = sha256Hex(std::as_bytes(std::span(text)));
     scene_.materials.push_back(Material{});
     materials_["default"] = 0;
     readSettings(root);
@@ -775,12 +788,10 @@ Scene SceneFile::read() {
     eachTable(root, "object", "object", [&](const toml::table& table) { readObject(table, -1, 1); });
     if (!root.contains("object")) {
         for (const std::string& name : meshNames_) {
-            const Mesh& mesh = meshes_.find(name)->second;
             Node node;
             node.name = name;
             node.table = &root;
-            node.mesh = mesh.index;
-            node.material = mesh.material;
+            node.mesh = meshes_.find(name)->second;
             nodes_.push_back(std::move(node));
         }
     }

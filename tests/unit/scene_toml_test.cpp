@@ -81,6 +81,7 @@ TEST(SceneToml, ReadsEverySetting) {
     EXPECT_EQ(scene.shading, Shading::gouraud);
     EXPECT_EQ(scene.size, glm::uvec2(640, 480));
     EXPECT_FALSE(scene.cullBackFaces);
+    EXPECT_EQ(scene.sha256.size(), 64u);
 }
 
 TEST(SceneToml, HexColoursAreSrgb) {
@@ -225,6 +226,18 @@ TEST(SceneToml, ReadsMeshFilesOnceAndReplacesTheirMaterials) {
     ASSERT_EQ(scene.objects.size(), 2u);
     EXPECT_EQ(scene.meshes.size(), 2u);
     EXPECT_EQ(scene.meshes[scene.objects[1].mesh].faceMaterial.at(0), 1u);
+}
+
+TEST(SceneToml, AReplacedMaterialNeedsNoLibrary) {
+    TemporaryFolder folder;
+    folder.write("m.obj", "mtllib missing.mtl\nusemtl gold\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const std::string mesh = "[[mesh]]\nname = 'm'\nfile = 'm.obj'\n";
+    LoadOptions strict;
+    strict.strict = true;
+    EXPECT_THROW(readSceneToml(folder.write("scene.toml", mesh), strict), Error);
+    const Scene scene = readSceneToml(folder.write("scene.toml", mesh + "material = 'red'\n[[material]]\nname = 'red'\n"), strict);
+    EXPECT_TRUE(scene.warnings.empty());
+    EXPECT_EQ(scene.meshes.at(0).faceMaterial.at(0), 1u);
 }
 
 // s12_pyramid_*, s142_project_a: normals of section 12.1 and the projection of A on a canvas of 400 x 400.
@@ -562,6 +575,7 @@ TEST(SceneToml, EveryCommittedSceneLoads) {
         try {
             const Scene scene = readSceneToml(entry.path(), {});
             EXPECT_FALSE(scene.objects.empty());
+            EXPECT_TRUE(scene.warnings.empty()) << entry.path() << ": " << (scene.warnings.empty() ? "" : scene.warnings[0]);
             EXPECT_TRUE(scene.ignored.empty()) << entry.path() << ": " << (scene.ignored.empty() ? "" : scene.ignored[0]);
         } catch (const Error& error) {
             ADD_FAILURE() << error.what();
