@@ -87,9 +87,11 @@ void MemoryPool::close(bool leak) {
 // Coherent always; cached first, because the host reads results (uncached reads are some 50 times slower).
 uint32_t MemoryPool::memoryType(uint32_t allowed, const char* name) const {
     const VkMemoryPropertyFlags wanted = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    for (const VkMemoryPropertyFlags extra : {VkMemoryPropertyFlags(VK_MEMORY_PROPERTY_HOST_CACHED_BIT), VkMemoryPropertyFlags(0)})
+    for (const VkMemoryPropertyFlags extra :
+         {VkMemoryPropertyFlags(VK_MEMORY_PROPERTY_HOST_CACHED_BIT), VkMemoryPropertyFlags(0)})
         for (uint32_t i = 0; i < types_.memoryTypeCount; ++i)
-            if ((allowed >> i & 1u) && (types_.memoryTypes[i].propertyFlags & (wanted | extra)) == (wanted | extra)) return i;
+            if ((allowed >> i & 1u) && (types_.memoryTypes[i].propertyFlags & (wanted | extra)) == (wanted | extra))
+                return i;
     throw renderError(fmt::format("{}: the device has no host-visible memory for buffers", name));
 }
 
@@ -102,13 +104,14 @@ Block* MemoryPool::take(uint64_t bytes, const char* name) {
                                       bytesText(bytes), bytesText(allocationBytes_)));
     auto best = kept_.end();
     for (auto it = kept_.begin(); it != kept_.end(); ++it)
-        if (it->bytes >= rounded && it->bytes <= rounded + rounded / 4 + 65536 && (best == kept_.end() || it->bytes < best->bytes))
+        if (it->bytes >= rounded && it->bytes <= rounded + rounded / 4 + 65536 &&
+            (best == kept_.end() || it->bytes < best->bytes))
             best = it;
     // Kept blocks count against the budget: the least recently freed go first.
     const uint64_t extra = best != kept_.end() ? best->allocatedBytes : rounded;
     if (usedBytes_ + extra > budgetBytes_)
-        throw renderError(fmt::format("buffer '{}': {} asked, {} of the memory budget of {} are in use", name, bytesText(bytes),
-                                      bytesText(usedBytes_), bytesText(budgetBytes_)));
+        throw renderError(fmt::format("buffer '{}': {} asked, {} of the memory budget of {} are in use", name,
+                                      bytesText(bytes), bytesText(usedBytes_), bytesText(budgetBytes_)));
     if (best != kept_.end()) {
         keptBytes_ -= best->allocatedBytes;
         live_.splice(live_.end(), kept_, best);
@@ -120,11 +123,16 @@ Block* MemoryPool::take(uint64_t bytes, const char* name) {
         }
         Block block;
         block.bytes = rounded;
-        const VkBufferCreateInfo info{
-            VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, nullptr, 0, rounded,
-            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-            VK_SHARING_MODE_EXCLUSIVE, 0, nullptr};
+        const VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                      nullptr,
+                                      0,
+                                      rounded,
+                                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                                          VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                                          VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                      VK_SHARING_MODE_EXCLUSIVE,
+                                      0,
+                                      nullptr};
         try {
             VK_CHECK(vk_.vkCreateBuffer(device_, &info, nullptr, &block.buffer));
             VkMemoryRequirements needs;
@@ -160,7 +168,8 @@ VkBufferView MemoryPool::view(Block& block, VkFormat format, uint64_t offset, ui
     const std::lock_guard lock(mutex_);
     const auto [it, fresh] = block.views.try_emplace({format, offset, range}, VkBufferView(VK_NULL_HANDLE));
     if (fresh) {
-        const VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO, nullptr, 0, block.buffer, format, offset, range};
+        const VkBufferViewCreateInfo info{
+            VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO, nullptr, 0, block.buffer, format, offset, range};
         VK_CHECK(vk_.vkCreateBufferView(device_, &info, nullptr, &it->second));
     }
     return it->second;

@@ -42,12 +42,14 @@ bool matches(const DeviceInfo& d, const std::string& word) {
 }
 
 const char* const kAdvice =
-    "install a Vulkan driver: 'apt install mesa-vulkan-drivers' (lavapipe) and 'libvulkan1' are enough on a machine without GPU;\n"
+    "install a Vulkan driver: 'apt install mesa-vulkan-drivers' (lavapipe) and 'libvulkan1' are enough on a machine "
+    "without GPU;\n"
     "if one is installed, look at VK_ICD_FILENAMES and VK_DRIVER_FILES. '--device twin' draws without Vulkan.";
 
 }  // namespace
 
-DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& whyNone, const DeviceRequest& request) {
+DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& whyNone,
+                          const DeviceRequest& request) {
     const std::string prefer = request.prefer.empty() ? "auto" : request.prefer;
     const bool preferAuto = lower(prefer) == "auto", preferTwin = lower(prefer) == "twin";
     const bool requireAny = request.require.empty() || lower(request.require) == "auto";
@@ -57,9 +59,10 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
         for (const DeviceInfo& d : devices)
             found += fmt::format("{}{} '{}' ({}{}{})", found.empty() ? "" : ", ", d.index, d.name, d.type,
                                  d.unusableBecause.empty() ? "" : "; unusable: ", d.unusableBecause);
-        return deviceError(fmt::format("{}: no such device; {}", wanted,
-                                       devices.empty() ? fmt::format("{}\n{}", whyNone.empty() ? "none was found" : whyNone, kAdvice)
-                                                       : "found " + found));
+        return deviceError(
+            fmt::format("{}: no such device; {}", wanted,
+                        devices.empty() ? fmt::format("{}\n{}", whyNone.empty() ? "none was found" : whyNone, kAdvice)
+                                        : "found " + found));
     };
 
     DeviceChoice choice;
@@ -77,29 +80,39 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
     for (const DeviceInfo& d : devices) {
         const bool wanted = matches(d, prefer);
         preferExists = preferExists || wanted;
-        if (!wanted) choice.notChosen.push_back(fmt::format("{}: is not '{}'", d.name, prefer));
-        else if (!matches(d, request.require)) choice.notChosen.push_back(fmt::format("{}: is not the required '{}'", d.name, request.require));
-        else if (!d.unusableBecause.empty()) choice.notChosen.push_back(fmt::format("{}: {}", d.name, d.unusableBecause));
-        else candidates.push_back(&d);
+        if (!wanted)
+            choice.notChosen.push_back(fmt::format("{}: is not '{}'", d.name, prefer));
+        else if (!matches(d, request.require))
+            choice.notChosen.push_back(fmt::format("{}: is not the required '{}'", d.name, request.require));
+        else if (!d.unusableBecause.empty())
+            choice.notChosen.push_back(fmt::format("{}: {}", d.name, d.unusableBecause));
+        else
+            candidates.push_back(&d);
     }
-    std::stable_sort(candidates.begin(), candidates.end(), [](const auto* a, const auto* b) { return rank(*a) < rank(*b); });
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const auto* a, const auto* b) { return rank(*a) < rank(*b); });
     if (candidates.empty()) {
         if (!preferAuto && !preferExists) throw none("--device " + prefer);
         if (!requireAny) throw none("--require-device " + request.require);
         if (!preferAuto) throw none("--device " + prefer);
         choice.twin = true;
-        choice.reason = devices.empty() ? fmt::format("the CPU twin draws: {}", whyNone.empty() ? "no Vulkan device was found" : whyNone)
-                                        : fmt::format("the CPU twin draws: no device is usable ({})", choice.notChosen.front());
+        choice.reason =
+            devices.empty()
+                ? fmt::format("the CPU twin draws: {}", whyNone.empty() ? "no Vulkan device was found" : whyNone)
+                : fmt::format("the CPU twin draws: no device is usable ({})", choice.notChosen.front());
         choice.advice = kAdvice;
         return choice;
     }
     choice.info = *candidates.front();
     for (size_t i = 1; i < candidates.size(); ++i)
         choice.notChosen.push_back(fmt::format("{}: '{}' comes before it", candidates[i]->name, choice.info.name));
-    const std::string kind = isGpu(choice.info) ? choice.info.type + " GPU" : choice.info.lavapipe ? "lavapipe" : choice.info.type + " device";
-    choice.reason = preferAuto ? fmt::format("device {} '{}': the first usable {}{}", choice.info.index, choice.info.name, kind,
-                                             isGpu(choice.info) ? "" : "; no usable GPU was found")
-                               : fmt::format("device {} '{}': asked for as '{}'", choice.info.index, choice.info.name, prefer);
+    const std::string kind = isGpu(choice.info)     ? choice.info.type + " GPU"
+                             : choice.info.lavapipe ? "lavapipe"
+                                                    : choice.info.type + " device";
+    choice.reason = preferAuto
+                        ? fmt::format("device {} '{}': the first usable {}{}", choice.info.index, choice.info.name,
+                                      kind, isGpu(choice.info) ? "" : "; no usable GPU was found")
+                        : fmt::format("device {} '{}': asked for as '{}'", choice.info.index, choice.info.name, prefer);
     return choice;
 }
 
@@ -110,7 +123,8 @@ DeviceChoice Device::choose(const DeviceRequest& request) {
     const std::shared_ptr<Instance> instance = Instance::acquire(validationWanted(request), why);
     std::vector<DeviceInfo> devices;
     if (instance)
-        for (const VkPhysicalDevice physical : instance->physicalDevices()) devices.push_back(describe(physical, uint32_t(devices.size())));
+        for (const VkPhysicalDevice physical : instance->physicalDevices())
+            devices.push_back(describe(physical, uint32_t(devices.size())));
     DeviceChoice choice = chooseDevice(devices, why, request);
     choice.keepAlive = instance;
     return choice;

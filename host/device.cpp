@@ -16,7 +16,9 @@ namespace plumb {
 
 const char* resultName(VkResult result) {
     switch (result) {
-#define PLUMB_NAME(name) case name: return #name
+#define PLUMB_NAME(name) \
+    case name:           \
+        return #name
         PLUMB_NAME(VK_SUCCESS);
         PLUMB_NAME(VK_NOT_READY);
         PLUMB_NAME(VK_TIMEOUT);
@@ -36,7 +38,8 @@ const char* resultName(VkResult result) {
         PLUMB_NAME(VK_ERROR_OUT_OF_POOL_MEMORY);
         PLUMB_NAME(VK_ERROR_UNKNOWN);
 #undef PLUMB_NAME
-        default: return "an unnamed VkResult";
+        default:
+            return "an unnamed VkResult";
     }
 }
 
@@ -49,14 +52,16 @@ void checkResult(VkResult result, Exit exit, const char* call, const char* file,
 
 namespace {
 
-std::mutex instanceMutex;  // volk's instance functions are globals
+std::mutex instanceMutex;                    // volk's instance functions are globals
 std::weak_ptr<Instance> sharedInstances[2];  // by validation
 
-VKAPI_ATTR VkBool32 VKAPI_CALL collectMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL collectMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                              VkDebugUtilsMessageTypeFlagsEXT,
                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
     auto& log = *static_cast<ValidationLog*>(user);
-    std::string line = fmt::format("{}: {}", severity & VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT ? "error" : "warning",
-                                   data->pMessage ? data->pMessage : "");
+    std::string line =
+        fmt::format("{}: {}", severity & VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT ? "error" : "warning",
+                    data->pMessage ? data->pMessage : "");
     std::replace(line.begin(), line.end(), '\n', ' ');
     const std::lock_guard lock(log.mutex);
     if (log.toStderr) std::fprintf(stderr, "plumb: validation %s\n", line.c_str());
@@ -73,7 +78,8 @@ void requireValidationLayer() {
     VK_CHECK_START(vkEnumerateInstanceLayerProperties(&count, layers.data()));
     for (const VkLayerProperties& layer : layers)
         if (std::strcmp(layer.layerName, kValidationLayer) == 0) return;
-    throw deviceError(fmt::format("validation was asked for, but {} is not installed (Debian: vulkan-validationlayers)", kValidationLayer));
+    throw deviceError(fmt::format("validation was asked for, but {} is not installed (Debian: vulkan-validationlayers)",
+                                  kValidationLayer));
 }
 
 std::string driverFilesHint() {
@@ -106,13 +112,19 @@ std::shared_ptr<Instance> Instance::acquire(bool validation, std::string& why) {
 
     auto instance = std::make_shared<Instance>();
     instance->validation = validation;
-    const VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "plumbline", 1, "plumbline", 1, VK_API_VERSION_1_2};
+    const VkApplicationInfo application{
+        VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "plumbline", 1, "plumbline", 1, VK_API_VERSION_1_2};
     const VkDebugUtilsMessengerCreateInfoEXT messenger{
-        VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT, nullptr, 0,
+        VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        nullptr,
+        0,
         VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
-        VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT, collectMessage, &instance->log};
+        VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+        collectMessage,
+        &instance->log};
     const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
-    const VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger, 1, &synchronization, 0, nullptr};
+    const VkValidationFeaturesEXT features{
+        VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger, 1, &synchronization, 0, nullptr};
     const char* const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
     VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
     info.pApplicationInfo = &application;
@@ -129,11 +141,13 @@ std::shared_ptr<Instance> Instance::acquire(bool validation, std::string& why) {
         why = result == VK_ERROR_INCOMPATIBLE_DRIVER
                   ? fmt::format("the Vulkan loader found no working driver (ICD){}", driverFilesHint())
                   : fmt::format("vkCreateInstance returned {}{}", resultName(result), driverFilesHint());
-        if (validation && result != VK_ERROR_INCOMPATIBLE_DRIVER) throw deviceError("validation was asked for, but " + why);
+        if (validation && result != VK_ERROR_INCOMPATIBLE_DRIVER)
+            throw deviceError("validation was asked for, but " + why);
         return nullptr;
     }
     volkLoadInstanceOnly(instance->handle);
-    if (validation) VK_CHECK_START(vkCreateDebugUtilsMessengerEXT(instance->handle, &messenger, nullptr, &instance->messenger));
+    if (validation)
+        VK_CHECK_START(vkCreateDebugUtilsMessengerEXT(instance->handle, &messenger, nullptr, &instance->messenger));
     shared = instance;
     if (instance->physicalDevices().empty()) why = "the Vulkan driver lists no device" + driverFilesHint();
     return instance;
@@ -184,8 +198,10 @@ std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice physical) {
 // Everything asked of a device of Vulkan 1.2 or later, in one place; self-referencing, so it stays where it is made.
 struct Queried {
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
-    VkPhysicalDeviceFloatControlsProperties floats{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES, &subgroup};
-    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES, &floats};
+    VkPhysicalDeviceFloatControlsProperties floats{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES,
+                                                   &subgroup};
+    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
+                                                        &floats};
     VkPhysicalDeviceIDProperties ids{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, &maintenance3};
     VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES, &ids};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver};
@@ -233,14 +249,25 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index) {
     info.index = index;
     info.name = properties.deviceName;
     switch (properties.deviceType) {
-        case VK_PHYSICAL_DEVICE_TYPE_CPU: info.type = "cpu"; break;
-        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: info.type = "integrated"; break;
-        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: info.type = "discrete"; break;
-        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: info.type = "virtual"; break;
-        default: info.type = "other"; break;
+        case VK_PHYSICAL_DEVICE_TYPE_CPU:
+            info.type = "cpu";
+            break;
+        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+            info.type = "integrated";
+            break;
+        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+            info.type = "discrete";
+            break;
+        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+            info.type = "virtual";
+            break;
+        default:
+            info.type = "other";
+            break;
     }
-    info.apiVersion = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(properties.apiVersion), VK_API_VERSION_MINOR(properties.apiVersion),
-                                  VK_API_VERSION_PATCH(properties.apiVersion));
+    info.apiVersion =
+        fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(properties.apiVersion),
+                    VK_API_VERSION_MINOR(properties.apiVersion), VK_API_VERSION_PATCH(properties.apiVersion));
     if (properties.apiVersion < VK_API_VERSION_1_2) {
         info.unusableBecause = fmt::format("has Vulkan {}, 1.2 is needed", info.apiVersion);
         return info;
@@ -250,8 +277,10 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index) {
     info.driverInfo = q.driver.driverInfo;
     info.lavapipe = q.driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
     for (const uint8_t byte : q.ids.deviceUUID) info.uuid += fmt::format("{:02x}", byte);
-    if (!q.scalar.scalarBlockLayout) info.unusableBecause = "lacks scalarBlockLayout";
-    else if (computeFamily(queueFamilies(physical)) == kNoFamily) info.unusableBecause = "has no compute queue";
+    if (!q.scalar.scalarBlockLayout)
+        info.unusableBecause = "lacks scalarBlockLayout";
+    else if (computeFamily(queueFamilies(physical)) == kNoFamily)
+        info.unusableBecause = "has no compute queue";
     return info;
 }
 
@@ -259,7 +288,8 @@ std::vector<DeviceInfo> Device::list(std::string* why) {
     std::string reason;
     std::vector<DeviceInfo> devices;
     if (const auto instance = Instance::acquire(false, reason))
-        for (const VkPhysicalDevice physical : instance->physicalDevices()) devices.push_back(describe(physical, uint32_t(devices.size())));
+        for (const VkPhysicalDevice physical : instance->physicalDevices())
+            devices.push_back(describe(physical, uint32_t(devices.size())));
     if (why) *why = devices.empty() ? reason : "";
     return devices;
 }
@@ -284,23 +314,40 @@ ShrunkNative shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memo
                 throw deviceError(fmt::format("PLUMB_LIMITS: {}={} is above the device's {}", name, value, limit));
             limit = std::remove_reference_t<decltype(limit)>(value);
         };
-        if (name == "storageRange") lower(limits.storageRangeBytes);
-        else if (name == "texelElements") lower(limits.texelElements);
-        else if (name == "groupCount") for (uint64_t& count : limits.groupCount) lower(count);
-        else if (name == "groupCountX") lower(limits.groupCount[0]);
-        else if (name == "groupCountY") lower(limits.groupCount[1]);
-        else if (name == "allocation") lower(limits.allocationBytes);
-        else if (name == "groupInvocations") lower(limits.groupInvocations);
-        else if (name == "pushConstants") lower(limits.pushConstantBytes);
-        else if (name == "subgroup") lower(limits.subgroupShuffle);
-        else if (name == "int64") lower(limits.int64);
-        else if (name == "float64") lower(limits.float64);
-        else if (name == "roundingMode") lower(limits.roundingModeRte32);
-        else if (name == "memory") lower(memoryBudgetBytes);
-        else if (name == "nativeDivide") lower(native.divide);
-        else if (name == "nativeRoot") lower(native.root);
-        else if (name == "timestamps" && value == 0) limits.timestampPeriodNs = 0;
-        else throw deviceError(fmt::format("PLUMB_LIMITS: '{}' is not a limit that can be shrunk", item));
+        if (name == "storageRange")
+            lower(limits.storageRangeBytes);
+        else if (name == "texelElements")
+            lower(limits.texelElements);
+        else if (name == "groupCount")
+            for (uint64_t& count : limits.groupCount) lower(count);
+        else if (name == "groupCountX")
+            lower(limits.groupCount[0]);
+        else if (name == "groupCountY")
+            lower(limits.groupCount[1]);
+        else if (name == "allocation")
+            lower(limits.allocationBytes);
+        else if (name == "groupInvocations")
+            lower(limits.groupInvocations);
+        else if (name == "pushConstants")
+            lower(limits.pushConstantBytes);
+        else if (name == "subgroup")
+            lower(limits.subgroupShuffle);
+        else if (name == "int64")
+            lower(limits.int64);
+        else if (name == "float64")
+            lower(limits.float64);
+        else if (name == "roundingMode")
+            lower(limits.roundingModeRte32);
+        else if (name == "memory")
+            lower(memoryBudgetBytes);
+        else if (name == "nativeDivide")
+            lower(native.divide);
+        else if (name == "nativeRoot")
+            lower(native.root);
+        else if (name == "timestamps" && value == 0)
+            limits.timestampPeriodNs = 0;
+        else
+            throw deviceError(fmt::format("PLUMB_LIMITS: '{}' is not a limit that can be shrunk", item));
     }
     return native;
 }
@@ -346,7 +393,8 @@ std::unique_ptr<DeviceImpl> openImpl(const DeviceChoice& choice, const DeviceReq
     for (uint32_t i = 0; i < devices.size(); ++i) {
         const DeviceInfo info = describe(devices[i], i);
         // The order may have changed since the choice: identity decides, the index only between equals.
-        if (info.uuid == choice.info.uuid && info.name == choice.info.name && (!impl->physical || i == choice.info.index)) {
+        if (info.uuid == choice.info.uuid && info.name == choice.info.name &&
+            (!impl->physical || i == choice.info.index)) {
             impl->physical = devices[i];
             impl->info = info;
         }
@@ -367,8 +415,10 @@ std::unique_ptr<DeviceImpl> openImpl(const DeviceChoice& choice, const DeviceReq
     impl->limits = limitsOf(q, families, impl->queueFamily);
 
     const float priority = 1;
-    const VkDeviceQueueCreateInfo queueInfo{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, impl->queueFamily, 1, &priority};
-    VkPhysicalDeviceScalarBlockLayoutFeatures scalar{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES, nullptr, VK_TRUE};
+    const VkDeviceQueueCreateInfo queueInfo{
+        VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, impl->queueFamily, 1, &priority};
+    VkPhysicalDeviceScalarBlockLayoutFeatures scalar{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES,
+                                                     nullptr, VK_TRUE};
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &scalar};
     features.features.shaderInt64 = impl->limits.int64;
     features.features.shaderFloat64 = impl->limits.float64;

@@ -14,15 +14,42 @@ namespace plumb {
 namespace {
 
 enum Op : uint32_t {
-    kOpName = 5, kOpEntryPoint = 15, kOpExecutionMode = 16, kOpTypeInt = 21, kOpTypeFloat = 22, kOpTypeVector = 23,
-    kOpTypeMatrix = 24, kOpTypeImage = 25, kOpTypeSampledImage = 27, kOpTypeArray = 28, kOpTypeRuntimeArray = 29,
-    kOpTypeStruct = 30, kOpTypePointer = 32, kOpConstant = 43, kOpConstantComposite = 44, kOpSpecConstantTrue = 48,
-    kOpSpecConstantFalse = 49, kOpSpecConstant = 50, kOpSpecConstantComposite = 51, kOpFunction = 54, kOpVariable = 59,
-    kOpDecorate = 71, kOpMemberDecorate = 72, kOpExecutionModeId = 331,
+    kOpName = 5,
+    kOpEntryPoint = 15,
+    kOpExecutionMode = 16,
+    kOpTypeInt = 21,
+    kOpTypeFloat = 22,
+    kOpTypeVector = 23,
+    kOpTypeMatrix = 24,
+    kOpTypeImage = 25,
+    kOpTypeSampledImage = 27,
+    kOpTypeArray = 28,
+    kOpTypeRuntimeArray = 29,
+    kOpTypeStruct = 30,
+    kOpTypePointer = 32,
+    kOpConstant = 43,
+    kOpConstantComposite = 44,
+    kOpSpecConstantTrue = 48,
+    kOpSpecConstantFalse = 49,
+    kOpSpecConstant = 50,
+    kOpSpecConstantComposite = 51,
+    kOpFunction = 54,
+    kOpVariable = 59,
+    kOpDecorate = 71,
+    kOpMemberDecorate = 72,
+    kOpExecutionModeId = 331,
 };
 enum Decoration : uint32_t {
-    kSpecId = 1, kBufferBlock = 3, kArrayStride = 6, kMatrixStride = 7, kBuiltIn = 11, kNonWritable = 24,
-    kNonReadable = 25, kBinding = 33, kDescriptorSet = 34, kOffset = 35,
+    kSpecId = 1,
+    kBufferBlock = 3,
+    kArrayStride = 6,
+    kMatrixStride = 7,
+    kBuiltIn = 11,
+    kNonWritable = 24,
+    kNonReadable = 25,
+    kBinding = 33,
+    kDescriptorSet = 34,
+    kOffset = 35,
 };
 constexpr uint32_t kExecutionModelGlCompute = 5, kLocalSize = 17, kLocalSizeId = 38, kBuiltInWorkgroupSize = 25;
 constexpr uint32_t kUniformConstant = 0, kUniform = 2, kPushConstant = 9, kStorageBuffer = 12;
@@ -32,7 +59,9 @@ constexpr uint32_t kWholeType = ~0u;  // "member" of decorations on the id itsel
 class ModuleReader {
 public:
     ModuleReader(const Module& module, const std::map<uint32_t, uint32_t>& constants)
-        : name_(module.name), words_(module.words), constants_(constants) { index(); }
+        : name_(module.name), words_(module.words), constants_(constants) {
+        index();
+    }
 
     Reflection reflection() const {
         Reflection result;
@@ -72,9 +101,14 @@ private:
             if (count == 0 || at + count > words_.size()) fail(fmt::format("truncated at word {}", at));
             const Instruction in = words_.subspan(at, count);
             at += count;
-            const auto atLeast = [&](uint32_t n) { if (count < n) fail(fmt::format("short instruction {}", op)); };
+            const auto atLeast = [&](uint32_t n) {
+                if (count < n) fail(fmt::format("short instruction {}", op));
+            };
             switch (op) {
-                case kOpName: atLeast(3); names_[in[1]] = text(in.subspan(2)); break;
+                case kOpName:
+                    atLeast(3);
+                    names_[in[1]] = text(in.subspan(2));
+                    break;
                 case kOpEntryPoint:
                     atLeast(4);
                     if (in[1] != kExecutionModelGlCompute) fail("an entry point that is not compute");
@@ -83,7 +117,10 @@ private:
                 case kOpExecutionMode:
                 case kOpExecutionModeId:
                     atLeast(3);
-                    if (in[2] == kLocalSize || in[2] == kLocalSizeId) { atLeast(6); sizeMode_ = in; }
+                    if (in[2] == kLocalSize || in[2] == kLocalSizeId) {
+                        atLeast(6);
+                        sizeMode_ = in;
+                    }
                     break;
                 case kOpDecorate:
                     atLeast(3);
@@ -93,14 +130,25 @@ private:
                     atLeast(4);
                     decorations_[{in[1], in[2], in[3]}] = count > 4 ? in[4] : 1u;
                     break;
-                case kOpTypeInt: case kOpTypeFloat: case kOpTypeVector: case kOpTypeMatrix: case kOpTypeImage:
-                case kOpTypeSampledImage: case kOpTypeArray: case kOpTypeRuntimeArray: case kOpTypeStruct:
+                case kOpTypeInt:
+                case kOpTypeFloat:
+                case kOpTypeVector:
+                case kOpTypeMatrix:
+                case kOpTypeImage:
+                case kOpTypeSampledImage:
+                case kOpTypeArray:
+                case kOpTypeRuntimeArray:
+                case kOpTypeStruct:
                 case kOpTypePointer:
                     atLeast(2);
                     ids_[in[1]] = in;
                     break;
-                case kOpConstant: case kOpConstantComposite: case kOpSpecConstantTrue: case kOpSpecConstantFalse:
-                case kOpSpecConstant: case kOpSpecConstantComposite:
+                case kOpConstant:
+                case kOpConstantComposite:
+                case kOpSpecConstantTrue:
+                case kOpSpecConstantFalse:
+                case kOpSpecConstant:
+                case kOpSpecConstantComposite:
                     atLeast(3);
                     ids_[in[2]] = in;
                     break;
@@ -109,8 +157,11 @@ private:
                     ids_[in[2]] = in;
                     variables_.push_back(in[2]);
                     break;
-                case kOpFunction: at = words_.size(); break;  // nothing to reflect in bodies
-                default: break;
+                case kOpFunction:
+                    at = words_.size();
+                    break;  // nothing to reflect in bodies
+                default:
+                    break;
             }
         }
         if (entryPoints != 1) fail(fmt::format("{} entry points", entryPoints));
@@ -146,20 +197,24 @@ private:
         if (const auto spec = decoration(id, kSpecId))
             if (const auto given = constants_.find(*spec); given != constants_.end()) return given->second;
         switch (opOf(in)) {
-            case kOpSpecConstantTrue: return 1;
-            case kOpSpecConstantFalse: return 0;
+            case kOpSpecConstantTrue:
+                return 1;
+            case kOpSpecConstantFalse:
+                return 0;
             case kOpConstant:
             case kOpSpecConstant:
                 if (in.size() >= 4) return in[3];
                 [[fallthrough]];
-            default: fail(fmt::format("constant %{} is computed", id));
+            default:
+                fail(fmt::format("constant %{} is computed", id));
         }
     }
 
     void localSize(Reflection& result) const {
         if (sizeMode_.empty()) fail("no local size");
         for (int i = 0; i < 3; ++i)
-            result.localSize[i] = sizeMode_[2] == kLocalSize ? sizeMode_[3 + size_t(i)] : constantValue(sizeMode_[3 + size_t(i)]);
+            result.localSize[i] =
+                sizeMode_[2] == kLocalSize ? sizeMode_[3 + size_t(i)] : constantValue(sizeMode_[3 + size_t(i)]);
         // A constant decorated WorkgroupSize overrides the execution mode; glslang writes it for local_size_x_id.
         for (const auto& [key, value] : decorations_)
             if (key.decoration == kBuiltIn && key.member == kWholeType && value == kBuiltInWorkgroupSize) {
@@ -174,8 +229,10 @@ private:
         const Instruction in = definition(type, 2);
         switch (opOf(in)) {
             case kOpTypeInt:
-            case kOpTypeFloat: return definition(type, 3)[2] / 8;
-            case kOpTypeVector: return definition(type, 4)[3] * sizeOf(in[2], 0, 0, depth + 1);
+            case kOpTypeFloat:
+                return definition(type, 3)[2] / 8;
+            case kOpTypeVector:
+                return definition(type, 4)[3] * sizeOf(in[2], 0, 0, depth + 1);
             case kOpTypeMatrix: {
                 const auto stride = decoration(structId, kMatrixStride, member);
                 if (!stride) fail("a matrix without stride");
@@ -195,8 +252,10 @@ private:
                 }
                 return end;
             }
-            case kOpTypePointer: return 8;
-            default: fail(fmt::format("a block member of kind {}", opOf(in)));
+            case kOpTypePointer:
+                return 8;
+            default:
+                fail(fmt::format("a block member of kind {}", opOf(in)));
         }
     }
 
@@ -229,11 +288,12 @@ private:
                 fail(fmt::format("'{}' is an image that is not a uniform texel buffer", binding.name));
             const Instruction texel = definition(image[2], 3);
             binding.kind = BindingKind::uniformTexel;
-            binding.texel = opOf(texel) == kOpTypeFloat             ? TexelType::floating
+            binding.texel = opOf(texel) == kOpTypeFloat       ? TexelType::floating
                             : definition(image[2], 4)[3] == 0 ? TexelType::unsignedInt
                                                               : TexelType::signedInt;
         } else {
-            if (opOf(in) != kOpTypeStruct || in.size() < 3) fail(fmt::format("'{}' is an array of blocks or empty", binding.name));
+            if (opOf(in) != kOpTypeStruct || in.size() < 3)
+                fail(fmt::format("'{}' is an array of blocks or empty", binding.name));
             const bool storage = storageClass == kStorageBuffer || decoration(type, kBufferBlock);
             binding.kind = storage ? BindingKind::storage : BindingKind::uniformBuffer;
             const Instruction last = definition(in.back(), 2);
@@ -259,9 +319,12 @@ private:
 
 VkDescriptorType descriptorType(const Module& module, const ReflectedBinding& binding) {
     switch (binding.kind) {
-        case BindingKind::storage: return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        case BindingKind::uniformTexel: return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-        case BindingKind::uniformBuffer: break;
+        case BindingKind::storage:
+            return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        case BindingKind::uniformTexel:
+            return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+        case BindingKind::uniformBuffer:
+            break;
     }
     throw renderError(fmt::format("{}: binding {} is a uniform buffer; the recorder binds storage and texel buffers",
                                   module.name, binding.binding));
@@ -290,21 +353,24 @@ Program& DeviceImpl::program(const Module& module, const Specialization& constan
             throw renderError(fmt::format("{}: no constant has id {} (the module has {})", module.name, id, has));
         }
     for (size_t i = 0; i < r.specializationIds.size(); ++i) {
-        if (r.specializationNames[i] == "kNativeDivide") all.emplace(r.specializationIds[i], selfTest.nativeDivideIsExact);
+        if (r.specializationNames[i] == "kNativeDivide")
+            all.emplace(r.specializationIds[i], selfTest.nativeDivideIsExact);
         if (r.specializationNames[i] == "kNativeRoot") all.emplace(r.specializationIds[i], selfTest.nativeRootIsExact);
     }
 
     const uint64_t invocations = uint64_t(r.localSize[0]) * r.localSize[1] * r.localSize[2];
     if (invocations == 0 || invocations > limits.groupInvocations)
-        throw renderError(fmt::format("{}: {} invocations a workgroup, the device allows 1 to {}", module.name, invocations,
-                                      limits.groupInvocations));
+        throw renderError(fmt::format("{}: {} invocations a workgroup, the device allows 1 to {}", module.name,
+                                      invocations, limits.groupInvocations));
     if (r.pushConstantBytes > limits.pushConstantBytes)
         throw renderError(fmt::format("{}: {} bytes of push constants, the device allows {}", module.name,
                                       r.pushConstantBytes, limits.pushConstantBytes));
     if (r.bindings.empty() || r.bindings[0].binding != 0 || r.bindings[0].kind != BindingKind::storage ||
         r.bindings[0].strideBytes != 8 || r.pushConstantBytes < 4)
-        throw renderError(fmt::format("{}: binding 0 is not the Status buffer of shaders/shared/status.h, "
-                                      "or the push block does not begin with the status slot", module.name));
+        throw renderError(
+            fmt::format("{}: binding 0 is not the Status buffer of shaders/shared/status.h, "
+                        "or the push block does not begin with the status slot",
+                        module.name));
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     uint32_t used[3] = {0, 0, uint32_t(r.bindings.size())};
     for (const ReflectedBinding& b : r.bindings) {
@@ -316,7 +382,10 @@ Program& DeviceImpl::program(const Module& module, const Specialization& constan
     for (int i = 0; i < 3; ++i)
         if (used[i] > stageBindings[i])
             throw renderError(fmt::format("{}: {} {}, the device allows {}", module.name, used[i],
-                                          i == 0 ? "storage buffers" : i == 1 ? "texel buffers" : "bindings", stageBindings[i]));
+                                          i == 0   ? "storage buffers"
+                                          : i == 1 ? "texel buffers"
+                                                   : "bindings",
+                                          stageBindings[i]));
 
     // Owned by the map from here on, so a failure below leaks nothing: ~DeviceImpl destroys what was made.
     struct Discard {
@@ -340,8 +409,8 @@ Program& DeviceImpl::program(const Module& module, const Specialization& constan
                                                   uint32_t(bindings.size()), bindings.data()};
     VK_CHECK(vk.vkCreateDescriptorSetLayout(handle, &setInfo, nullptr, &program.setLayout));
     const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, (program.reflection.pushConstantBytes + 3u) & ~3u};
-    const VkPipelineLayoutCreateInfo layoutInfo{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, nullptr, 0, 1,
-                                                &program.setLayout, 1, &range};
+    const VkPipelineLayoutCreateInfo layoutInfo{
+        VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, nullptr, 0, 1, &program.setLayout, 1, &range};
     VK_CHECK(vk.vkCreatePipelineLayout(handle, &layoutInfo, nullptr, &program.layout));
     const VkShaderModuleCreateInfo shaderInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, nullptr, 0,
                                               module.words.size_bytes(), module.words.data()};
@@ -353,14 +422,21 @@ Program& DeviceImpl::program(const Module& module, const Specialization& constan
         entries.push_back({id, uint32_t(values.size() * 4), 4});
         values.push_back(value);
     }
-    const VkSpecializationInfo specialization{uint32_t(entries.size()), entries.data(), values.size() * 4, values.data()};
+    const VkSpecializationInfo specialization{uint32_t(entries.size()), entries.data(), values.size() * 4,
+                                              values.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT,
-                  discard.shader, "main", entries.empty() ? nullptr : &specialization};
+    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                  nullptr,
+                  0,
+                  VK_SHADER_STAGE_COMPUTE_BIT,
+                  discard.shader,
+                  "main",
+                  entries.empty() ? nullptr : &specialization};
     info.layout = program.layout;
     const VkResult result = vk.vkCreateComputePipelines(handle, pipelineCache, 1, &info, nullptr, &program.pipeline);
     if (result != VK_SUCCESS)
-        throw renderError(fmt::format("{}: the driver could not compile the module: {}", module.name, resultName(result)));
+        throw renderError(
+            fmt::format("{}: the driver could not compile the module: {}", module.name, resultName(result)));
     discard.done = true;
     return program;
 }

@@ -21,18 +21,25 @@ constexpr double kGraceMs = 5000;  // how long a destructor waits for work that 
 
 const char* kindText(BindingKind kind) {
     switch (kind) {
-        case BindingKind::storage: return "a storage buffer";
-        case BindingKind::uniformTexel: return "a texel buffer";
-        case BindingKind::uniformBuffer: return "a uniform buffer";
+        case BindingKind::storage:
+            return "a storage buffer";
+        case BindingKind::uniformTexel:
+            return "a texel buffer";
+        case BindingKind::uniformBuffer:
+            return "a uniform buffer";
     }
     return "?";
 }
 const char* texelText(TexelType type) {
     switch (type) {
-        case TexelType::floating: return "floats";
-        case TexelType::unsignedInt: return "unsigned integers";
-        case TexelType::signedInt: return "signed integers";
-        case TexelType::none: break;
+        case TexelType::floating:
+            return "floats";
+        case TexelType::unsignedInt:
+            return "unsigned integers";
+        case TexelType::signedInt:
+            return "signed integers";
+        case TexelType::none:
+            break;
     }
     return "nothing";
 }
@@ -44,12 +51,18 @@ struct ViewFormat {
 };
 ViewFormat viewFormat(View view) {
     switch (view) {
-        case View::texelU32: return {VK_FORMAT_R32_UINT, TexelType::unsignedInt, 4};
-        case View::texelU32x2: return {VK_FORMAT_R32G32_UINT, TexelType::unsignedInt, 8};
-        case View::texelU32x4: return {VK_FORMAT_R32G32B32A32_UINT, TexelType::unsignedInt, 16};
-        case View::texelF32: return {VK_FORMAT_R32_SFLOAT, TexelType::floating, 4};
-        case View::texelF32x4: return {VK_FORMAT_R32G32B32A32_SFLOAT, TexelType::floating, 16};
-        case View::storage: break;
+        case View::texelU32:
+            return {VK_FORMAT_R32_UINT, TexelType::unsignedInt, 4};
+        case View::texelU32x2:
+            return {VK_FORMAT_R32G32_UINT, TexelType::unsignedInt, 8};
+        case View::texelU32x4:
+            return {VK_FORMAT_R32G32B32A32_UINT, TexelType::unsignedInt, 16};
+        case View::texelF32:
+            return {VK_FORMAT_R32_SFLOAT, TexelType::floating, 4};
+        case View::texelF32x4:
+            return {VK_FORMAT_R32G32B32A32_SFLOAT, TexelType::floating, 16};
+        case View::storage:
+            break;
     }
     return {VK_FORMAT_UNDEFINED, TexelType::none, 1};
 }
@@ -59,7 +72,8 @@ struct CheckedRange {
     uint64_t offset, range;
 };
 
-CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, const ReflectedBinding& want, const Bound& bound) {
+CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, const ReflectedBinding& want,
+                          const Bound& bound) {
     const auto refuse = [&](const std::string& what) {
         return renderError(fmt::format("{}: binding {} {}", module.name, want.binding, what));
     };
@@ -67,9 +81,11 @@ CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, cons
     const bool storage = bound.view == View::storage;
     const ViewFormat format = viewFormat(bound.view);
     const BindingKind kind = storage ? BindingKind::storage : BindingKind::uniformTexel;
-    if (kind != want.kind) throw refuse(fmt::format("is {} in GLSL and {} in C++", kindText(want.kind), kindText(kind)));
+    if (kind != want.kind)
+        throw refuse(fmt::format("is {} in GLSL and {} in C++", kindText(want.kind), kindText(kind)));
     if (storage && bound.elementBytes != want.strideBytes)
-        throw refuse(fmt::format("has elements of {} bytes in GLSL and {} in C++", want.strideBytes, bound.elementBytes));
+        throw refuse(
+            fmt::format("has elements of {} bytes in GLSL and {} in C++", want.strideBytes, bound.elementBytes));
     if (!storage && format.type != want.texel)
         throw refuse(fmt::format("reads {} in GLSL and {} in C++", texelText(want.texel), texelText(format.type)));
     const uint64_t bytes = bound.buffer->bytes();
@@ -83,8 +99,8 @@ CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, cons
     uint64_t range = bound.range != 0 ? bound.range : bytes - bound.offset;
     if (storage) {
         if (range > limits.storageRangeBytes)
-            throw refuse(fmt::format("takes {} bytes of buffer '{}', the device allows {}", range, bound.buffer->impl().name,
-                                     limits.storageRangeBytes));
+            throw refuse(fmt::format("takes {} bytes of buffer '{}', the device allows {}", range,
+                                     bound.buffer->impl().name, limits.storageRangeBytes));
     } else {
         range -= range % format.bytes;
         if (range == 0) throw refuse(fmt::format("holds less than one texel of {} bytes", format.bytes));
@@ -100,7 +116,7 @@ CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, cons
 struct RecorderImpl {
     struct Command {
         std::string label;
-        bool counted = false;       // a dispatch, with a status slot
+        bool counted = false;  // a dispatch, with a status slot
         uint32_t slot = 0, groups = 0;
     };
 
@@ -148,7 +164,8 @@ RecorderImpl::RecorderImpl(DeviceImpl& d) : device(d) {
 }
 
 RecorderImpl::~RecorderImpl() {
-    if (device.hung && device.vk.vkWaitForFences(device.handle, 1, &fence, VK_TRUE, uint64_t(kGraceMs * 1e6)) == VK_SUCCESS)
+    if (device.hung &&
+        device.vk.vkWaitForFences(device.handle, 1, &fence, VK_TRUE, uint64_t(kGraceMs * 1e6)) == VK_SUCCESS)
         device.hung = false;
     if (!device.hung) destroy();
 }
@@ -176,20 +193,21 @@ void RecorderImpl::begin() {
 // A full barrier to what came before, and the first time stamp.
 void RecorderImpl::beginCommand() {
     if (!recorded.empty()) {
-        const VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr,
-                                      VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
-                                      VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
-                                          VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
-        device.vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
-                                       VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT |
-                                           VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
-                                       0, 1, &barrier, 0, nullptr, 0, nullptr);
+        const VkMemoryBarrier barrier{
+            VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
+            VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
+        device.vk.vkCmdPipelineBarrier(
+            commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+            VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
+            0, 1, &barrier, 0, nullptr, 0, nullptr);
     }
     if (device.limits.timestampPeriodNs == 0) return;
     const uint32_t query = uint32_t(recorded.size()) * 2;
     if (query % kQueriesPerPool == 0) {
         if (query / kQueriesPerPool == queryPools.size()) {
-            const VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO, nullptr, 0, VK_QUERY_TYPE_TIMESTAMP, kQueriesPerPool, 0};
+            const VkQueryPoolCreateInfo info{
+                VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO, nullptr, 0, VK_QUERY_TYPE_TIMESTAMP, kQueriesPerPool, 0};
             VkQueryPool pool;
             VK_CHECK(device.vk.vkCreateQueryPool(device.handle, &info, nullptr, &pool));
             queryPools.push_back(pool);
@@ -197,13 +215,15 @@ void RecorderImpl::beginCommand() {
         device.vk.vkCmdResetQueryPool(commands, queryPools[query / kQueriesPerPool], 0, kQueriesPerPool);
     }
     // At the bottom: it waits for everything before, so passes do not overlap in the report.
-    device.vk.vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queryPools[query / kQueriesPerPool], query % kQueriesPerPool);
+    device.vk.vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queryPools[query / kQueriesPerPool],
+                                  query % kQueriesPerPool);
 }
 
 void RecorderImpl::endCommand(Command command) {
     if (device.limits.timestampPeriodNs != 0) {
         const uint32_t query = uint32_t(recorded.size()) * 2 + 1;
-        device.vk.vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queryPools[query / kQueriesPerPool], query % kQueriesPerPool);
+        device.vk.vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT,
+                                      queryPools[query / kQueriesPerPool], query % kQueriesPerPool);
     }
     recorded.push_back(std::move(command));
 }
@@ -213,8 +233,10 @@ VkDescriptorSet RecorderImpl::allocateSet(VkDescriptorSetLayout layout, uint32_t
         const bool fresh = descriptorPool == descriptorPools.size();
         if (fresh) {
             const uint32_t each = kSetsPerPool * std::max(kDescriptorsPerSet, descriptors);
-            const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, each}, {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, each}};
-            const VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, nullptr, 0, kSetsPerPool, 2, sizes};
+            const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, each},
+                                                  {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, each}};
+            const VkDescriptorPoolCreateInfo info{
+                VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, nullptr, 0, kSetsPerPool, 2, sizes};
             VkDescriptorPool pool;
             VK_CHECK(device.vk.vkCreateDescriptorPool(device.handle, &info, nullptr, &pool));
             descriptorPools.push_back(pool);
@@ -236,7 +258,8 @@ void RecorderImpl::empty() {
     descriptorPool = 0;
     recording = false;
     VK_CHECK(device.vk.vkResetCommandPool(device.handle, commandPool, 0));
-    for (const VkDescriptorPool pool : descriptorPools) VK_CHECK(device.vk.vkResetDescriptorPool(device.handle, pool, 0));
+    for (const VkDescriptorPool pool : descriptorPools)
+        VK_CHECK(device.vk.vkResetDescriptorPool(device.handle, pool, 0));
     VK_CHECK(device.vk.vkResetFences(device.handle, 1, &fence));
 }
 
@@ -245,14 +268,17 @@ void RecorderImpl::check() const {
         if (!command.counted) continue;
         const gpu::StatusSlot& slot = status(command.slot);
         if (slot.fault & gpu::kFaultLoop)
-            throw renderError(fmt::format("{}: a loop stopped before its end (loop budget of the device)", command.label));
+            throw renderError(
+                fmt::format("{}: a loop stopped before its end (loop budget of the device)", command.label));
         if (slot.fault & gpu::kFaultRange)
             throw renderError(fmt::format("{}: a value left the range that its contract states", command.label));
         if (slot.fault != 0) throw renderError(fmt::format("{}: fault {:#x}", command.label, slot.fault));
         if (slot.finished < command.groups)
-            throw renderError(fmt::format("{}: {} of {} workgroups did not finish", command.label, command.groups - slot.finished, command.groups));
+            throw renderError(fmt::format("{}: {} of {} workgroups did not finish", command.label,
+                                          command.groups - slot.finished, command.groups));
         if (slot.finished > command.groups)
-            throw renderError(fmt::format("{}: {} workgroups finished, {} were asked for", command.label, slot.finished, command.groups));
+            throw renderError(fmt::format("{}: {} workgroups finished, {} were asked for", command.label, slot.finished,
+                                          command.groups));
     }
 }
 
@@ -273,10 +299,12 @@ void RecorderImpl::addTimes(double hostMs) {
     const uint64_t mask = device.timestampBits >= 64 ? ~uint64_t(0) : (uint64_t(1) << device.timestampBits) - 1;
     for (size_t first = 0; first < recorded.size(); first += kQueriesPerPool / 2) {
         const size_t count = std::min<size_t>(recorded.size() - first, kQueriesPerPool / 2);
-        VK_CHECK(device.vk.vkGetQueryPoolResults(device.handle, queryPools[first * 2 / kQueriesPerPool], 0, uint32_t(count * 2),
-                                                 count * 16, stamps.data(), 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
+        VK_CHECK(device.vk.vkGetQueryPoolResults(device.handle, queryPools[first * 2 / kQueriesPerPool], 0,
+                                                 uint32_t(count * 2), count * 16, stamps.data(), 8,
+                                                 VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
         for (size_t i = 0; i < count; ++i)
-            addTime(recorded[first + i].label, double((stamps[2 * i + 1] - stamps[2 * i]) & mask) * device.limits.timestampPeriodNs * 1e-6, 1);
+            addTime(recorded[first + i].label,
+                    double((stamps[2 * i + 1] - stamps[2 * i]) & mask) * device.limits.timestampPeriodNs * 1e-6, 1);
     }
 }
 
@@ -291,7 +319,8 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     Program& program = device.program(module, constants);
     const Reflection& reflection = program.reflection;
     if (pushBytes != reflection.pushConstantBytes)
-        throw renderError(fmt::format("{}: the push block has {} bytes in GLSL and {} in C++", module.name, reflection.pushConstantBytes, pushBytes));
+        throw renderError(fmt::format("{}: the push block has {} bytes in GLSL and {} in C++", module.name,
+                                      reflection.pushConstantBytes, pushBytes));
     if (bindings.size() + 1 != reflection.bindings.size())
         throw renderError(fmt::format("{}: {} bindings after the status in GLSL and {} in C++", module.name,
                                       reflection.bindings.size() - 1, bindings.size()));
@@ -303,10 +332,10 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     const uint64_t rows = (groups - 1) / std::max<uint64_t>(device.limits.groupCount[0], 1) + 1;
     const uint64_t columns = (groups - 1) / rows + 1;
     // Items are numbered in 32 bits, and the spare groups of the last row must not wrap.
-    if (items > UINT32_MAX || rows * columns * reflection.localSize[0] > UINT32_MAX || columns > device.limits.groupCount[0] ||
-        rows > device.limits.groupCount[1])
-        throw renderError(fmt::format("{}: {} items are {} workgroups, the device allows {} x {}", module.name, items, groups,
-                                      device.limits.groupCount[0], device.limits.groupCount[1]));
+    if (items > UINT32_MAX || rows * columns * reflection.localSize[0] > UINT32_MAX ||
+        columns > device.limits.groupCount[0] || rows > device.limits.groupCount[1])
+        throw renderError(fmt::format("{}: {} items are {} workgroups, the device allows {} x {}", module.name, items,
+                                      groups, device.limits.groupCount[0], device.limits.groupCount[1]));
 
     if (r.slots / kSlotsPerBuffer == r.statusBuffers.size())
         r.statusBuffers.emplace_back(device.memory, kSlotsPerBuffer * sizeof(gpu::StatusSlot), "status");
@@ -324,12 +353,14 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     for (uint32_t b = 0; b < reflection.bindings.size(); ++b) {
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, nullptr, set, b, 0, 1};
         if (reflection.bindings[b].kind == BindingKind::storage) {
-            if (b > 0) buffers[b] = {bindings[b - 1].buffer->impl().block->buffer, ranges[b - 1].offset, ranges[b - 1].range};
+            if (b > 0)
+                buffers[b] = {bindings[b - 1].buffer->impl().block->buffer, ranges[b - 1].offset, ranges[b - 1].range};
             write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
             write.pBufferInfo = &buffers[b];
         } else {
             const Bound& bound = bindings[b - 1];
-            views[b] = device.memory->view(*bound.buffer->impl().block, viewFormat(bound.view).format, ranges[b - 1].offset, ranges[b - 1].range);
+            views[b] = device.memory->view(*bound.buffer->impl().block, viewFormat(bound.view).format,
+                                           ranges[b - 1].offset, ranges[b - 1].range);
             write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
             write.pTexelBufferView = &views[b];
         }
@@ -339,7 +370,8 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
 
     r.beginCommand();
     device.vk.vkCmdBindPipeline(r.commands, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline);
-    device.vk.vkCmdBindDescriptorSets(r.commands, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout, 0, 1, &set, 0, nullptr);
+    device.vk.vkCmdBindDescriptorSets(r.commands, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout, 0, 1, &set, 0,
+                                      nullptr);
     device.vk.vkCmdPushConstants(r.commands, program.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, uint32_t(pushBytes), push);
     device.vk.vkCmdDispatch(r.commands, uint32_t(columns), uint32_t(rows), 1);
     r.endCommand({label, true, r.slots, uint32_t(columns * rows)});
@@ -350,8 +382,9 @@ void Recorder::fill(const char* label, const RawBuffer& buffer, uint32_t word, u
     if (!buffer) throw renderError(fmt::format("{}: no buffer to fill", label));
     const uint64_t all = buffer.bytes() & ~uint64_t(3);
     if (offset % 4 != 0 || bytes % 4 != 0 || offset > all || bytes > all - offset)
-        throw renderError(fmt::format("{}: {} bytes from byte {} of buffer '{}', which has {}, cannot be filled by words", label,
-                                      bytes, offset, buffer.impl().name, buffer.bytes()));
+        throw renderError(
+            fmt::format("{}: {} bytes from byte {} of buffer '{}', which has {}, cannot be filled by words", label,
+                        bytes, offset, buffer.impl().name, buffer.bytes()));
     const uint64_t range = bytes != 0 ? bytes : all - offset;
     if (range == 0) return;
     RecorderImpl& r = *impl_;
@@ -365,7 +398,8 @@ void Recorder::run(double watchdogMs) {
     RecorderImpl& r = *impl_;
     DeviceImpl& device = r.device;
     if (r.recorded.empty()) return;
-    const VkMemoryBarrier toHost{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
+    const VkMemoryBarrier toHost{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr,
+                                 VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
                                  VK_ACCESS_HOST_READ_BIT | VK_ACCESS_HOST_WRITE_BIT};
     device.vk.vkCmdPipelineBarrier(r.commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
                                    VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &toHost, 0, nullptr, 0, nullptr);
@@ -377,8 +411,9 @@ void Recorder::run(double watchdogMs) {
     const double hostMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (waited == VK_TIMEOUT) {
         device.hung = true;
-        throw renderError(fmt::format("{}{}: the device did not finish within {:.0f} ms (watchdog)", r.recorded.front().label,
-                                      r.recorded.size() > 1 ? fmt::format(" and {} more", r.recorded.size() - 1) : "", watchdogMs));
+        throw renderError(
+            fmt::format("{}{}: the device did not finish within {:.0f} ms (watchdog)", r.recorded.front().label,
+                        r.recorded.size() > 1 ? fmt::format(" and {} more", r.recorded.size() - 1) : "", watchdogMs));
     }
     if (waited != VK_SUCCESS) {
         const std::string first = r.recorded.front().label;

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cfloat>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -36,17 +36,23 @@ uint64_t fnv1a(std::string_view text) {
 
 // A verdict without the canaries, and without what only this run knows.
 void setFailure(SelfTest& verdict) {
-    if (!verdict.exactAddMul) verdict.failure = "the device does not round + - * of float32 to nearest even";
-    else if (!verdict.exactConversions) verdict.failure = "the device does not convert between int and float, or multiply 32 x 32 bits, exactly";
-    else if (!verdict.nativeDivideIsExact && !verdict.emulatedDivideIsExact) verdict.failure = "no form of division is exact on the device";
-    else if (!verdict.nativeRootIsExact && !verdict.emulatedRootIsExact) verdict.failure = "no form of the square root is exact on the device";
-    else verdict.failure.clear();
+    if (!verdict.exactAddMul)
+        verdict.failure = "the device does not round + - * of float32 to nearest even";
+    else if (!verdict.exactConversions)
+        verdict.failure = "the device does not convert between int and float, or multiply 32 x 32 bits, exactly";
+    else if (!verdict.nativeDivideIsExact && !verdict.emulatedDivideIsExact)
+        verdict.failure = "no form of division is exact on the device";
+    else if (!verdict.nativeRootIsExact && !verdict.emulatedRootIsExact)
+        verdict.failure = "no form of the square root is exact on the device";
+    else
+        verdict.failure.clear();
 }
 
 void runCanaries(Device& device, Recorder& recorder, SelfTest& verdict) {
     Buffer<gpu::CanaryAnswer> answers(device, gpu::kCanaryLanes, "canary answers");
     answers.fill(0);
-    recorder.dispatch("canary", spirv::canary, gpu::kCanaryLanes, gpu::SelfTestPush{0, gpu::kCanaryIterations}, {storage(answers)});
+    recorder.dispatch("canary", spirv::canary, gpu::kCanaryLanes, gpu::SelfTestPush{0, gpu::kCanaryIterations},
+                      {storage(answers)});
     recorder.run();
     const std::span<const gpu::CanaryAnswer> got = answers.span();
     verdict.loopLimit = 0;
@@ -54,12 +60,16 @@ void runCanaries(Device& device, Recorder& recorder, SelfTest& verdict) {
     for (uint32_t lane = 0; lane < gpu::kCanaryLanes; ++lane) {
         // Where lavapipe cuts a loop its variables disagree by one iteration; the state says how many really ran.
         uint32_t state = lane, done = 0;
-        while (done < gpu::kCanaryIterations && (done == 0 || state != got[lane].state)) state = gpu::nextState(state), ++done;
+        while (done < gpu::kCanaryIterations && (done == 0 || state != got[lane].state))
+            state = gpu::nextState(state), ++done;
         if (state != got[lane].state || done + 1 < got[lane].iterations || got[lane].iterations < done)
-            throw renderError(fmt::format("lane {} of the canary counts {} iterations, but its state {:#x} is not theirs", lane,
-                                          got[lane].iterations, got[lane].state));
-        if (done < gpu::kCanaryIterations) verdict.loopLimit = verdict.loopLimit == 0 ? done : std::min(verdict.loopLimit, done);
-        const float x = gpu::canaryOperand(lane, gpu::kCanaryIterations), y = gpu::canaryOperand(lane, gpu::kCanaryIterations * 7u);
+            throw renderError(
+                fmt::format("lane {} of the canary counts {} iterations, but its state {:#x} is not theirs", lane,
+                            got[lane].iterations, got[lane].state));
+        if (done < gpu::kCanaryIterations)
+            verdict.loopLimit = verdict.loopLimit == 0 ? done : std::min(verdict.loopLimit, done);
+        const float x = gpu::canaryOperand(lane, gpu::kCanaryIterations),
+                    y = gpu::canaryOperand(lane, gpu::kCanaryIterations * 7u);
         if (!sameFloat(got[lane].sum, x + y) || !sameFloat(got[lane].product, x * y)) verdict.exactAddMul = false;
         divide = divide && sameFloat(got[lane].quotient, x / y);
         root = root && sameFloat(got[lane].root, std::sqrt(x));
@@ -75,20 +85,24 @@ SelfTest runVectors(Device& device, Recorder& recorder) {
     Buffer<gpu::SelfTestAnswer> answers(device, vectors.size(), "self-test answers");
     operands.upload(vectors);
     answers.fill(0xffffffffu);
-    recorder.dispatch("selftest", spirv::selftest, vectors.size(), gpu::SelfTestPush{0, 0}, {storage(operands), storage(answers)});
+    recorder.dispatch("selftest", spirv::selftest, vectors.size(), gpu::SelfTestPush{0, 0},
+                      {storage(operands), storage(answers)});
     recorder.run();
     return judgeSelfTest(vectors, answers.span());
 }
 
 std::filesystem::path cacheFolder() {
-    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg == '/') return std::filesystem::path(xdg) / "plumbline";
-    if (const char* home = std::getenv("HOME"); home && *home == '/') return std::filesystem::path(home) / ".cache" / "plumbline";
+    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg == '/')
+        return std::filesystem::path(xdg) / "plumbline";
+    if (const char* home = std::getenv("HOME"); home && *home == '/')
+        return std::filesystem::path(home) / ".cache" / "plumbline";
     return {};
 }
 
 std::string cacheKey(Device& device) {
     const DeviceInfo& info = device.info();
-    return fmt::format("{} {:x} {} | {} | {}", info.uuid, device.impl().driverVersion, spirv::selftest.sha256, info.name, info.driverInfo);
+    return fmt::format("{} {:x} {} | {} | {}", info.uuid, device.impl().driverVersion, spirv::selftest.sha256,
+                       info.name, info.driverInfo);
 }
 
 std::string readWhole(const std::filesystem::path& path) {
@@ -105,8 +119,10 @@ void writeCache(const std::filesystem::path& path, const std::string& text) {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
     file << text;
     file.close();
-    if (file) std::filesystem::rename(temporary, path, ignored);
-    else std::filesystem::remove(temporary, ignored);
+    if (file)
+        std::filesystem::rename(temporary, path, ignored);
+    else
+        std::filesystem::remove(temporary, ignored);
 }
 
 }  // namespace
@@ -121,15 +137,20 @@ std::vector<gpu::SelfTestVector> selfTestVectors() {
     const auto significand = [&] {
         const uint32_t bits = random();
         switch (bits >> 30) {
-            case 0: return bits & 7u;                                          // just above a power of two
-            case 1: return 0x7fffffu - (bits & 7u);                            // just below
-            case 2: return ((1u << (bits >> 8) % 23u) + (bits & 3u)) & 0x7fffffu;  // few bits set
-            default: return bits & 0x7fffffu;
+            case 0:
+                return bits & 7u;  // just above a power of two
+            case 1:
+                return 0x7fffffu - (bits & 7u);  // just below
+            case 2:
+                return ((1u << (bits >> 8) % 23u) + (bits & 3u)) & 0x7fffffu;  // few bits set
+            default:
+                return bits & 0x7fffffu;
         }
     };
     const auto real = [&](uint32_t lowestExponent, uint32_t exponents) {
         const uint32_t bits = random();
-        return gpu::realOf(int((bits & 0x80000000u) | (127u + lowestExponent + bits % exponents) << 23 | significand()));
+        return gpu::realOf(
+            int((bits & 0x80000000u) | (127u + lowestExponent + bits % exponents) << 23 | significand()));
     };
     std::vector<gpu::SelfTestVector> vectors(gpu::kSelfTestVectors);
     for (uint32_t i = 0; i < vectors.size(); ++i) {
@@ -149,7 +170,8 @@ SelfTest judgeSelfTest(std::span<const gpu::SelfTestVector> vectors, std::span<c
     PLUMB_ASSERT(vectors.size() == answers.size());
     SelfTest verdict;
     verdict.exactAddMul = verdict.exactConversions = true;
-    verdict.nativeDivideIsExact = verdict.nativeRootIsExact = verdict.emulatedDivideIsExact = verdict.emulatedRootIsExact = true;
+    verdict.nativeDivideIsExact = verdict.nativeRootIsExact = verdict.emulatedDivideIsExact =
+        verdict.emulatedRootIsExact = true;
     for (size_t n = 0; n < vectors.size(); ++n) {
         const gpu::SelfTestVector& v = vectors[n];
         const gpu::SelfTestAnswer& a = answers[n];
@@ -157,13 +179,15 @@ SelfTest judgeSelfTest(std::span<const gpu::SelfTestVector> vectors, std::span<c
         const uint64_t unsignedProduct = uint64_t(v.i) * v.j;
         const int64_t signedProduct = int64_t(int32_t(v.i)) * int32_t(v.j);
         const float quotient = v.x / v.y, root = std::sqrt(std::abs(v.x));
-        verdict.exactAddMul = verdict.exactAddMul && sameFloat(a.sum, v.x + v.y) && sameFloat(a.difference, v.x - v.y) &&
-                              sameFloat(a.product, product) && sameFloat(a.sumOfProducts, product + v.x);
-        verdict.exactConversions = verdict.exactConversions && sameFloat(a.floatOfInt, float(int32_t(v.i))) &&
-                                   sameFloat(a.floatOfUint, float(v.i)) && a.intOfFloat == int32_t(v.converted) &&
-                                   a.uintOfFloat == uint32_t(std::abs(v.converted)) &&
-                                   a.unsignedHigh == uint32_t(unsignedProduct >> 32) && a.unsignedLow == uint32_t(unsignedProduct) &&
-                                   a.signedHigh == int32_t(signedProduct >> 32) && a.signedLow == int32_t(signedProduct);
+        verdict.exactAddMul = verdict.exactAddMul && sameFloat(a.sum, v.x + v.y) &&
+                              sameFloat(a.difference, v.x - v.y) && sameFloat(a.product, product) &&
+                              sameFloat(a.sumOfProducts, product + v.x);
+        verdict.exactConversions =
+            verdict.exactConversions && sameFloat(a.floatOfInt, float(int32_t(v.i))) &&
+            sameFloat(a.floatOfUint, float(v.i)) && a.intOfFloat == int32_t(v.converted) &&
+            a.uintOfFloat == uint32_t(std::abs(v.converted)) && a.unsignedHigh == uint32_t(unsignedProduct >> 32) &&
+            a.unsignedLow == uint32_t(unsignedProduct) && a.signedHigh == int32_t(signedProduct >> 32) &&
+            a.signedLow == int32_t(signedProduct);
         verdict.nativeDivideIsExact = verdict.nativeDivideIsExact && sameFloat(a.nativeQuotient, quotient);
         verdict.nativeRootIsExact = verdict.nativeRootIsExact && sameFloat(a.nativeRoot, root);
         verdict.emulatedDivideIsExact = verdict.emulatedDivideIsExact && sameFloat(a.emulatedQuotient, quotient);
@@ -174,9 +198,10 @@ SelfTest judgeSelfTest(std::span<const gpu::SelfTestVector> vectors, std::span<c
 }
 
 std::string selfTestCacheText(const SelfTest& verdict, const std::string& key) {
-    const std::string body = fmt::format("plumbline self-test 1\n{}\n{:d} {:d} {:d} {:d} {:d} {:d}\n", key, verdict.exactAddMul,
-                                         verdict.exactConversions, verdict.nativeDivideIsExact, verdict.nativeRootIsExact,
-                                         verdict.emulatedDivideIsExact, verdict.emulatedRootIsExact);
+    const std::string body =
+        fmt::format("plumbline self-test 1\n{}\n{:d} {:d} {:d} {:d} {:d} {:d}\n", key, verdict.exactAddMul,
+                    verdict.exactConversions, verdict.nativeDivideIsExact, verdict.nativeRootIsExact,
+                    verdict.emulatedDivideIsExact, verdict.emulatedRootIsExact);
     return body + fmt::format("{:016x}\n", fnv1a(body));
 }
 
@@ -207,7 +232,8 @@ SelfTest runSelfTest(Device& device) {
         const SelfTest before = verdict;
         runCanaries(device, recorder, verdict);
         // A canary that contradicts the stored verdict: the machine has changed under the key.
-        cached = verdict.exactAddMul == before.exactAddMul && verdict.nativeDivideIsExact == before.nativeDivideIsExact &&
+        cached = verdict.exactAddMul == before.exactAddMul &&
+                 verdict.nativeDivideIsExact == before.nativeDivideIsExact &&
                  verdict.nativeRootIsExact == before.nativeRootIsExact;
     }
     if (!cached) {

@@ -109,9 +109,14 @@ struct BufferImpl {
     BufferImpl(std::shared_ptr<MemoryPool> from, uint64_t size, const char* called)
         : pool(std::move(from)), bytes(size), name(called), block(pool->take(size, called)) {}
     BufferImpl(BufferImpl&& other) noexcept
-        : pool(std::move(other.pool)), bytes(other.bytes), name(std::move(other.name)), block(std::exchange(other.block, nullptr)) {}
+        : pool(std::move(other.pool)),
+          bytes(other.bytes),
+          name(std::move(other.name)),
+          block(std::exchange(other.block, nullptr)) {}
     BufferImpl& operator=(BufferImpl&&) = delete;
-    ~BufferImpl() { if (block) pool->give(block); }
+    ~BufferImpl() {
+        if (block) pool->give(block);
+    }
 };
 
 struct Program {

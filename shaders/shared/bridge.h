@@ -19,6 +19,7 @@
 #define SHARED_FN inline
 #define SHARED_CONST inline constexpr
 #define INOUT(T) T&
+#define SPECIALIZED(id, T) inline constexpr T  // a specialization constant; in C++ its default
 SHARED_BEGIN
 using glm::ivec2;
 using glm::ivec3;
@@ -32,6 +33,7 @@ using glm::vec4;
 using glm::max;
 using glm::min;
 using glm::abs;
+using std::sqrt;
 using uint = std::uint32_t;
 using Real = float;
 using Int = int;
@@ -63,6 +65,7 @@ SHARED_END
 #define SHARED_FN
 #define SHARED_CONST const
 #define INOUT(T) inout T
+#define SPECIALIZED(id, T) layout(constant_id = id) const T
 #define Real vec4
 #define Int ivec4
 #define Bool bvec4

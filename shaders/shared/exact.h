@@ -12,15 +12,9 @@
 #include "bridge.h"
 SHARED_BEGIN
 
-#ifdef __cplusplus
-SHARED_CONST bool kNativeDivide = true;
-SHARED_CONST bool kNativeRoot = true;
-SHARED_FN float nativeRoot(float a) { return std::sqrt(a); }
-#else
-layout(constant_id = 0) const bool kNativeDivide = true;
-layout(constant_id = 1) const bool kNativeRoot = true;
-float nativeRoot(float a) { return sqrt(a); }
-#endif
+SPECIALIZED(0, bool) kNativeDivide = true;
+SPECIALIZED(1, bool) kNativeRoot = true;
+SHARED_FN float nativeRoot(float a) { return sqrt(a); }
 SHARED_FN float nativeDivide(float a, float b) { return a / b; }
 
 // sign | significand * 2^(exponentField - 150), significand given with one guard bit below and rounded to even.

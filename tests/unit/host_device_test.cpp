@@ -24,10 +24,19 @@
 namespace plumb {
 namespace {
 
-struct AddPush { uint32_t statusSlot, count, factor, skippedGroups; };
-struct LoopPush { uint32_t statusSlot, iterations, items; };
-struct ExactPush { uint32_t statusSlot, count; int32_t seedErrorUlp; };
-struct ExactAnswer { float quotient, root, emulatedQuotient, emulatedRoot, snapped; };
+struct AddPush {
+    uint32_t statusSlot, count, factor, skippedGroups;
+};
+struct LoopPush {
+    uint32_t statusSlot, iterations, items;
+};
+struct ExactPush {
+    uint32_t statusSlot, count;
+    int32_t seedErrorUlp;
+};
+struct ExactAnswer {
+    float quotient, root, emulatedQuotient, emulatedRoot, snapped;
+};
 
 Device openDevice(const char* limits = nullptr, const DeviceRequest& request = {}) {
     if (limits) setenv("PLUMB_LIMITS", limits, 1);
@@ -77,7 +86,8 @@ struct Addition {
         for (uint32_t i = 0; i < items; ++i) pairs.span()[i] = {i, 2 * i + 1}, texel.span()[i] = i * i;
         sums.fill(0xdeadbeefu);
     }
-    void record(Recorder& recorder, const Specialization& constants = {}, const char* label = "add", uint32_t skippedGroups = 0) {
+    void record(Recorder& recorder, const Specialization& constants = {}, const char* label = "add",
+                uint32_t skippedGroups = 0) {
         recorder.dispatch(label, spirv::host_add, count, AddPush{77, count, 3, skippedGroups},
                           {storage(pairs), texels(texel, View::texelU32), storage(sums)}, constants);
     }
@@ -159,7 +169,8 @@ TEST_F(HostDevice, BindsPartsOfBuffers) {
     Addition work(device(), 256);
     Recorder recorder(device());
     recorder.dispatch("add", spirv::host_add, 64, AddPush{0, 64, 3, 0},
-                      {storage(work.pairs, 128, 64), texels(work.texel, View::texelU32, 128 * 4, 64 * 4), storage(work.sums, 64, 64)});
+                      {storage(work.pairs, 128, 64), texels(work.texel, View::texelU32, 128 * 4, 64 * 4),
+                       storage(work.sums, 64, 64)});
     recorder.run();
     EXPECT_EQ(work.sums.span()[64], 128u + 257u * 3u + 128u * 128u);
     EXPECT_EQ(work.sums.span()[63], 0xdeadbeefu);
@@ -180,103 +191,124 @@ TEST_F(HostDevice, DoesNothingForNoItems) {
 class Refusal : public HostDevice {
 protected:
     template <class Push>
-    std::string refusal(const Module& module, Push push, std::initializer_list<Bound> bindings, const Specialization& constants = {},
-                        uint64_t items = 64) {
+    std::string refusal(const Module& module, Push push, std::initializer_list<Bound> bindings,
+                        const Specialization& constants = {}, uint64_t items = 64) {
         return messageOf([&] {
             Recorder recorder(device());
             recorder.dispatch("label", module, items, push, bindings, constants);
         });
     }
-    Addition work{device(), 64};
-    const AddPush push{0, 64, 1, 0};
+    Addition work_{device(), 64};
+    const AddPush push_{0, 64, 1, 0};
 };
 
 TEST_F(Refusal, OfAnotherStride) {
     const Buffer<glm::uvec3> triples(device(), 64, "triples");
-    EXPECT_EQ(refusal(spirv::host_add, push, {storage(triples), texels(work.texel, View::texelU32), storage(work.sums)}),
-              "host_add: binding 1 has elements of 8 bytes in GLSL and 12 in C++");
+    EXPECT_EQ(
+        refusal(spirv::host_add, push_, {storage(triples), texels(work_.texel, View::texelU32), storage(work_.sums)}),
+        "host_add: binding 1 has elements of 8 bytes in GLSL and 12 in C++");
 }
 
 TEST_F(Refusal, OfAnotherKind) {
-    EXPECT_EQ(refusal(spirv::host_add, push, {texels(work.pairs, View::texelU32x2), texels(work.texel, View::texelU32), storage(work.sums)}),
-              "host_add: binding 1 is a storage buffer in GLSL and a texel buffer in C++");
-    EXPECT_EQ(refusal(spirv::host_add, push, {storage(work.pairs), storage(work.texel), storage(work.sums)}),
+    EXPECT_EQ(
+        refusal(spirv::host_add, push_,
+                {texels(work_.pairs, View::texelU32x2), texels(work_.texel, View::texelU32), storage(work_.sums)}),
+        "host_add: binding 1 is a storage buffer in GLSL and a texel buffer in C++");
+    EXPECT_EQ(refusal(spirv::host_add, push_, {storage(work_.pairs), storage(work_.texel), storage(work_.sums)}),
               "host_add: binding 2 is a texel buffer in GLSL and a storage buffer in C++");
 }
 
 TEST_F(Refusal, OfAnotherTexelType) {
-    EXPECT_EQ(refusal(spirv::host_add, push, {storage(work.pairs), texels(work.texel, View::texelF32), storage(work.sums)}),
+    EXPECT_EQ(refusal(spirv::host_add, push_,
+                      {storage(work_.pairs), texels(work_.texel, View::texelF32), storage(work_.sums)}),
               "host_add: binding 2 reads unsigned integers in GLSL and floats in C++");
 }
 
 TEST_F(Refusal, OfAnotherCountOfBindings) {
-    EXPECT_EQ(refusal(spirv::host_add, push, {storage(work.pairs)}), "host_add: 3 bindings after the status in GLSL and 1 in C++");
-    EXPECT_EQ(refusal(spirv::host_add, push, {storage(work.pairs), texels(work.texel, View::texelU32), storage(work.sums), storage(work.sums)}),
-              "host_add: 3 bindings after the status in GLSL and 4 in C++");
+    EXPECT_EQ(refusal(spirv::host_add, push_, {storage(work_.pairs)}),
+              "host_add: 3 bindings after the status in GLSL and 1 in C++");
+    EXPECT_EQ(
+        refusal(spirv::host_add, push_,
+                {storage(work_.pairs), texels(work_.texel, View::texelU32), storage(work_.sums), storage(work_.sums)}),
+        "host_add: 3 bindings after the status in GLSL and 4 in C++");
 }
 
 TEST_F(Refusal, OfAnotherPushBlock) {
-    EXPECT_EQ(refusal(spirv::host_add, LoopPush{}, {storage(work.pairs), texels(work.texel, View::texelU32), storage(work.sums)}),
+    EXPECT_EQ(refusal(spirv::host_add, LoopPush{},
+                      {storage(work_.pairs), texels(work_.texel, View::texelU32), storage(work_.sums)}),
               "host_add: the push block has 16 bytes in GLSL and 12 in C++");
 }
 
 TEST_F(Refusal, OfAnUnknownConstant) {
-    const auto bindings = {storage(work.pairs), texels(work.texel, View::texelU32), storage(work.sums)};
-    EXPECT_EQ(refusal(spirv::host_add, push, bindings, {{8, 1}}), "host_add: no constant has id 8 (the module has 7 kAddend)");
+    const auto bindings = {storage(work_.pairs), texels(work_.texel, View::texelU32), storage(work_.sums)};
+    EXPECT_EQ(refusal(spirv::host_add, push_, bindings, {{8, 1}}),
+              "host_add: no constant has id 8 (the module has 7 kAddend)");
 }
 
 TEST_F(Refusal, OfNoBuffer) {
     const Buffer<uint32_t> none;
-    EXPECT_EQ(refusal(spirv::host_add, push, {storage(work.pairs), texels(work.texel, View::texelU32), storage(none)}),
-              "host_add: binding 3 is given no buffer");
+    EXPECT_EQ(
+        refusal(spirv::host_add, push_, {storage(work_.pairs), texels(work_.texel, View::texelU32), storage(none)}),
+        "host_add: binding 3 is given no buffer");
 }
 
 TEST_F(Refusal, OfARangeOutsideTheBuffer) {
-    EXPECT_EQ(refusal(spirv::host_add, push, {storage(work.pairs, 32, 64), texels(work.texel, View::texelU32), storage(work.sums)}),
+    EXPECT_EQ(refusal(spirv::host_add, push_,
+                      {storage(work_.pairs, 32, 64), texels(work_.texel, View::texelU32), storage(work_.sums)}),
               "host_add: binding 1 takes 512 bytes from byte 256 of buffer 'pairs', which has 512");
-    EXPECT_EQ(refusal(spirv::host_add, push, {storage(work.pairs, 64), texels(work.texel, View::texelU32), storage(work.sums)}),
+    EXPECT_EQ(refusal(spirv::host_add, push_,
+                      {storage(work_.pairs, 64), texels(work_.texel, View::texelU32), storage(work_.sums)}),
               "host_add: binding 1 takes 0 bytes from byte 512 of buffer 'pairs', which has 512");
 }
 
 TEST_F(Refusal, OfAnUnalignedBeginning) {
-    EXPECT_EQ(refusal(spirv::host_add, push, {storage(work.pairs, 1), texels(work.texel, View::texelU32), storage(work.sums)}),
+    EXPECT_EQ(refusal(spirv::host_add, push_,
+                      {storage(work_.pairs, 1), texels(work_.texel, View::texelU32), storage(work_.sums)}),
               fmt::format("host_add: binding 1 begins at byte 8 of buffer 'pairs'; the device wants a multiple of {}",
                           device().limits().storageOffsetAlignment));
 }
 
 TEST_F(Refusal, OfAUniformBlock) {
-    struct { uint32_t words[24]; } push96{};
-    EXPECT_EQ(refusal(spirv::host_reflect, push96, {storage(work.pairs)}, {{3, 8}}),
+    struct {
+        uint32_t words[24];
+    } push96{};
+    EXPECT_EQ(refusal(spirv::host_reflect, push96, {storage(work_.pairs)}, {{3, 8}}),
               "host_reflect: binding 6 is a uniform buffer; the recorder binds storage and texel buffers");
 }
 
 TEST_F(Refusal, OfTooLargeAWorkgroup) {
-    struct { uint32_t words[24]; } push96{};
-    EXPECT_EQ(refusal(spirv::host_reflect, push96, {storage(work.pairs)}, {{3, 1u << 20}}),
-              fmt::format("host_reflect: 2097152 invocations a workgroup, the device allows 1 to {}", device().limits().groupInvocations));
+    struct {
+        uint32_t words[24];
+    } push96{};
+    EXPECT_EQ(refusal(spirv::host_reflect, push96, {storage(work_.pairs)}, {{3, 1u << 20}}),
+              fmt::format("host_reflect: 2097152 invocations a workgroup, the device allows 1 to {}",
+                          device().limits().groupInvocations));
 }
 
 TEST_F(Refusal, LeavesTheRecorderAsItWas) {
     Recorder recorder(device());
-    work.record(recorder);
-    EXPECT_THROW(recorder.dispatch("label", spirv::host_add, 64, push, {storage(work.pairs)}), Error);
-    EXPECT_THROW(recorder.fill("label", work.sums, 0, 2), Error);
+    work_.record(recorder);
+    EXPECT_THROW(recorder.dispatch("label", spirv::host_add, 64, push_, {storage(work_.pairs)}), Error);
+    EXPECT_THROW(recorder.fill("label", work_.sums, 0, 2), Error);
     recorder.run();
-    work.expectSums();
+    work_.expectSums();
 }
 
 TEST_F(Refusal, OfAFillThatIsNotWordsOfTheBuffer) {
     Recorder recorder(device());
-    EXPECT_EQ(messageOf([&] { recorder.fill("clear", work.sums, 0, 2, 4); }),
+    EXPECT_EQ(messageOf([&] { recorder.fill("clear", work_.sums, 0, 2, 4); }),
               "clear: 4 bytes from byte 2 of buffer 'sums', which has 256, cannot be filled by words");
-    EXPECT_NE(messageOf([&] { recorder.fill("clear", work.sums, 0, 252, 8); }).find("cannot be filled"), std::string::npos);
+    EXPECT_NE(messageOf([&] { recorder.fill("clear", work_.sums, 0, 252, 8); }).find("cannot be filled"),
+              std::string::npos);
 }
 
 TEST_F(Refusal, OfAModuleWithoutStatus) {
     std::vector<uint32_t> words(spirv::host_add.words.begin(), spirv::host_add.words.end());
     for (size_t at = 5; at < words.size(); at += words[at] >> 16)  // binding 0 becomes 4
         if ((words[at] & 0xffffu) == 71 && words[at + 2] == 33 && words[at + 3] == 0) words[at + 3] = 4;
-    EXPECT_NE(refusal(Module{"bare", words, "other"}, push, {storage(work.pairs)}).find("bare: binding 0 is not the Status buffer"), std::string::npos);
+    EXPECT_NE(refusal(Module{"bare", words, "other"}, push_, {storage(work_.pairs)})
+                  .find("bare: binding 0 is not the Status buffer"),
+              std::string::npos);
 }
 
 TEST_F(Refusal, OfABufferAboveTheBudget) {
@@ -312,7 +344,8 @@ TEST_F(HostDevice, StopsWaitingAtTheWatchdog) {
         Recorder recorder(own);
         recorder.dispatch("slow", spirv::host_loop, 64 * 256, LoopPush{0, 60000, 64}, {storage(states)});
         EXPECT_EQ(messageOf([&] { recorder.run(1); }), "slow: the device did not finish within 1 ms (watchdog)");
-        EXPECT_EQ(messageOf([&] { recorder.fill("more", states, 0); }), "the device is still busy with work that ran into the watchdog");
+        EXPECT_EQ(messageOf([&] { recorder.fill("more", states, 0); }),
+                  "the device is still busy with work that ran into the watchdog");
     }
     expectSilence(own);  // the recorder waited for the work to end before it freed what the work uses
 }
@@ -380,13 +413,18 @@ TEST_F(HostDevice, ShrinksLimits) {
     EXPECT_FALSE(own.limits().int64);
     Recorder recorder(own);
     Addition work(own, 1000);
-    EXPECT_EQ(messageOf([&] { work.record(recorder); }), "host_add: binding 2 takes 1000 texels of buffer 'texel', the device allows 300");
+    EXPECT_EQ(messageOf([&] { work.record(recorder); }),
+              "host_add: binding 2 takes 1000 texels of buffer 'texel', the device allows 300");
     Addition large(own, 9000);
-    EXPECT_EQ(messageOf([&] { large.record(recorder); }), "host_add: binding 1 takes 72000 bytes of buffer 'pairs', the device allows 65536");
+    EXPECT_EQ(messageOf([&] { large.record(recorder); }),
+              "host_add: binding 1 takes 72000 bytes of buffer 'pairs', the device allows 65536");
     Buffer<uint32_t> states(own, 64, "states");
-    EXPECT_EQ(messageOf([&] { recorder.dispatch("loop", spirv::host_loop, 64 * 17, LoopPush{0, 1, 64}, {storage(states)}); }),
+    EXPECT_EQ(messageOf([&] {
+                  recorder.dispatch("loop", spirv::host_loop, 64 * 17, LoopPush{0, 1, 64}, {storage(states)});
+              }),
               "host_loop: 1088 items are 17 workgroups, the device allows 4 x 4");
-    EXPECT_EQ(messageOf([&] { Buffer<uint32_t>(own, 1 << 19, "big"); }), "buffer 'big': 2048.0 KiB asked, the device allocates at most 1024.0 KiB at once");
+    EXPECT_EQ(messageOf([&] { Buffer<uint32_t>(own, 1 << 19, "big"); }),
+              "buffer 'big': 2048.0 KiB asked, the device allocates at most 1024.0 KiB at once");
     expectSilence(own);
 }
 
@@ -420,7 +458,8 @@ TEST_F(HostDevice, TimesByTheHostWithoutTimeStamps) {
 }
 
 TEST_F(HostDevice, RefusesLimitsThatAreNone) {
-    for (const char* text : {"storageRange=99999999999999", "speed=1", "storageRange", "storageRange=x", "groupCount=-1", "timestamps=1", "="})
+    for (const char* text : {"storageRange=99999999999999", "speed=1", "storageRange", "storageRange=x",
+                             "groupCount=-1", "timestamps=1", "="})
         EXPECT_EQ(messageOf([&] { openDevice(text); }, Exit::device).rfind("PLUMB_LIMITS: ", 0), 0u) << text;
 }
 
@@ -434,11 +473,15 @@ void expectExact(Device& device, int seedErrorUlp) {
     for (glm::vec2& v : operands.span())
         for (int k = 0; k < 2; ++k) {
             const uint32_t bits = uint32_t(random());
-            const uint32_t significand = bits >> 30 == 0 ? bits & 15u : bits >> 30 == 1 ? 0x7fffffu - (bits & 15u) : bits & 0x7fffffu;
-            v[k] = gpu::realOf(int((uint32_t(random()) & 0x80000000u) | (70u + uint32_t(random()) % 115u) << 23 | significand));
+            const uint32_t significand = bits >> 30 == 0   ? bits & 15u
+                                         : bits >> 30 == 1 ? 0x7fffffu - (bits & 15u)
+                                                           : bits & 0x7fffffu;
+            v[k] = gpu::realOf(
+                int((uint32_t(random()) & 0x80000000u) | (70u + uint32_t(random()) % 115u) << 23 | significand));
         }
     Recorder recorder(device);
-    recorder.dispatch("exact", spirv::host_exact, kCount, ExactPush{0, kCount, seedErrorUlp}, {storage(operands), storage(answers)});
+    recorder.dispatch("exact", spirv::host_exact, kCount, ExactPush{0, kCount, seedErrorUlp},
+                      {storage(operands), storage(answers)});
     recorder.run();
     for (uint32_t i = 0; i < kCount; ++i) {
         const glm::vec2 v = operands.span()[i];
@@ -474,9 +517,10 @@ TEST(SelfTestVerdict, SeesEachWrongAnswer) {
         const uint64_t u = uint64_t(v.i) * v.j;
         const int64_t s = int64_t(int32_t(v.i)) * int32_t(v.j);
         const float root = std::sqrt(std::fabs(v.x));
-        good.push_back({v.x + v.y, v.x - v.y, v.x * v.y, v.x * v.y + v.x, float(int32_t(v.i)), float(v.i), int32_t(v.converted),
-                        uint32_t(std::fabs(v.converted)), uint32_t(u >> 32), uint32_t(u), int32_t(s >> 32), int32_t(s), v.x / v.y, root,
-                        gpu::emulatedDivide(v.x, v.y, 0), gpu::emulatedRoot(std::fabs(v.x), 0)});
+        good.push_back({v.x + v.y, v.x - v.y, v.x * v.y, v.x * v.y + v.x, float(int32_t(v.i)), float(v.i),
+                        int32_t(v.converted), uint32_t(std::fabs(v.converted)), uint32_t(u >> 32), uint32_t(u),
+                        int32_t(s >> 32), int32_t(s), v.x / v.y, root, gpu::emulatedDivide(v.x, v.y, 0),
+                        gpu::emulatedRoot(std::fabs(v.x), 0)});
     }
     EXPECT_EQ(judgeSelfTest(vectors, good).failure, "");
     EXPECT_TRUE(judgeSelfTest(vectors, good).nativeDivideIsExact);
@@ -485,8 +529,8 @@ TEST(SelfTestVerdict, SeesEachWrongAnswer) {
         std::vector<gpu::SelfTestAnswer> bad = good;
         reinterpret_cast<uint32_t*>(&bad[vectors.size() - 1])[field] ^= 1u;
         const SelfTest verdict = judgeSelfTest(vectors, bad);
-        const int kept = verdict.exactAddMul + verdict.exactConversions + verdict.nativeDivideIsExact + verdict.nativeRootIsExact +
-                         verdict.emulatedDivideIsExact + verdict.emulatedRootIsExact;
+        const int kept = verdict.exactAddMul + verdict.exactConversions + verdict.nativeDivideIsExact +
+                         verdict.nativeRootIsExact + verdict.emulatedDivideIsExact + verdict.emulatedRootIsExact;
         EXPECT_EQ(kept, 5) << "field " << field;
         EXPECT_EQ(verdict.failure.empty(), field >= 12) << verdict.failure;
     }

@@ -14,10 +14,17 @@ float operand(std::mt19937& random) {
     const uint32_t bits = uint32_t(random());
     uint32_t significand = bits & 0x7fffffu;
     switch (bits >> 30) {
-        case 0: significand = bits & 15u; break;
-        case 1: significand = 0x7fffffu - (bits & 15u); break;
-        case 2: significand = ((1u << (bits >> 4) % 23u) + (bits & 7u) - 4u) & 0x7fffffu; break;
-        default: break;
+        case 0:
+            significand = bits & 15u;
+            break;
+        case 1:
+            significand = 0x7fffffu - (bits & 15u);
+            break;
+        case 2:
+            significand = ((1u << (bits >> 4) % 23u) + (bits & 7u) - 4u) & 0x7fffffu;
+            break;
+        default:
+            break;
     }
     return realOf(int((uint32_t(random()) & 0x80000000u) | (70u + uint32_t(random()) % 115u) << 23 | significand));
 }
