@@ -140,6 +140,7 @@ struct RecorderImpl {
     void beginCommand();
     void endCommand(Command command);
     VkDescriptorSet allocateSet(VkDescriptorSetLayout layout, uint32_t descriptors);
+    void submitAndWait(double watchdogMs);
     void empty();
     void check() const;
     void addTimes(double hostMs);
@@ -394,36 +395,36 @@ void Recorder::fill(const char* label, const RawBuffer& buffer, uint32_t word, u
     r.endCommand({label, false, 0, 0});
 }
 
-void Recorder::run(double watchdogMs) {
-    RecorderImpl& r = *impl_;
-    DeviceImpl& device = r.device;
-    if (r.recorded.empty()) return;
+void RecorderImpl::submitAndWait(double watchdogMs) {
     const VkMemoryBarrier toHost{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr,
                                  VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
                                  VK_ACCESS_HOST_READ_BIT | VK_ACCESS_HOST_WRITE_BIT};
-    device.vk.vkCmdPipelineBarrier(r.commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+    device.vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
                                    VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &toHost, 0, nullptr, 0, nullptr);
-    VK_CHECK(device.vk.vkEndCommandBuffer(r.commands));
+    VK_CHECK(device.vk.vkEndCommandBuffer(commands));
+    const VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO, nullptr, 0, nullptr, nullptr, 1, &commands, 0, nullptr};
+    VK_CHECK(device.vk.vkQueueSubmit(device.queue, 1, &submit, fence));
+    const double timeoutNs = std::clamp(watchdogMs * 1e6, 0.0, 1e18);
+    const VkResult waited = device.vk.vkWaitForFences(device.handle, 1, &fence, VK_TRUE, uint64_t(timeoutNs));
+    if (waited == VK_SUCCESS) return;
+    const std::string what =
+        recorded.front().label + (recorded.size() > 1 ? fmt::format(" and {} more", recorded.size() - 1) : "");
+    device.hung = waited == VK_TIMEOUT;
+    if (device.hung)
+        throw renderError(fmt::format("{}: the device did not finish within {:.0f} ms (watchdog)", what, watchdogMs));
+    throw renderError(fmt::format("{}: {} while waiting for the device", what, resultName(waited)));
+}
+
+void Recorder::run(double watchdogMs) {
+    RecorderImpl& r = *impl_;
+    if (r.recorded.empty()) return;
     const auto start = std::chrono::steady_clock::now();
-    const VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO, nullptr, 0, nullptr, nullptr, 1, &r.commands, 0, nullptr};
-    VK_CHECK(device.vk.vkQueueSubmit(device.queue, 1, &submit, r.fence));
-    const VkResult waited = device.vk.vkWaitForFences(device.handle, 1, &r.fence, VK_TRUE, uint64_t(watchdogMs * 1e6));
-    const double hostMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    if (waited == VK_TIMEOUT) {
-        device.hung = true;
-        throw renderError(
-            fmt::format("{}{}: the device did not finish within {:.0f} ms (watchdog)", r.recorded.front().label,
-                        r.recorded.size() > 1 ? fmt::format(" and {} more", r.recorded.size() - 1) : "", watchdogMs));
-    }
-    if (waited != VK_SUCCESS) {
-        const std::string first = r.recorded.front().label;
-        throw renderError(fmt::format("{}: {} while waiting for the device", first, resultName(waited)));
-    }
     try {
+        r.submitAndWait(watchdogMs);
         r.check();
-        r.addTimes(hostMs);
+        r.addTimes(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     } catch (...) {
-        r.empty();
+        if (!r.device.hung) r.empty();
         throw;
     }
     r.empty();
