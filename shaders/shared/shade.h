@@ -43,13 +43,13 @@ struct ShadeParts {
 };
 
 // 1 / sqrt(x) for normal x > 0: integer seed (Lomont's constant) and three Newton steps; relative error below 4 u.
-// x = 0 gives a large finite number.
+// x = 0 gives a large finite number, and so (h y) y, not h (y y): y y would be infinite, and 0 times it not a number.
 SHARED_FN Real reciprocalRoot(Real x) {
     Real y = realOf(0x5f375a86 - (bitsOf(x) >> 1));
     Real h = x * -0.5f;
-    y = y * (h * (y * y) + 1.5f);
-    y = y * (h * (y * y) + 1.5f);
-    y = y * (h * (y * y) + 1.5f);
+    y = y * ((h * y) * y + 1.5f);
+    y = y * ((h * y) * y + 1.5f);
+    y = y * ((h * y) * y + 1.5f);
     return y;
 }
 
@@ -130,6 +130,7 @@ SHARED_FN void addLight(vec4 place, vec4 intensity, Surface s, Reflectance k, Sh
     }
     Real nl = (s.nx * lx + s.ny * ly) + s.nz * lz;
     Bool lit = gt(nl, real(0.0f));
+    if (parts.point) fade = pick(lit, fade, real(0.0f));  // a light exactly at the point: 1 / d^2 is infinite, and 0 times it not a number
     Real r = real(0.0f);
     Real g = real(0.0f);
     Real b = real(0.0f);

@@ -228,8 +228,9 @@ inline Scene signPatterns(View v) {
     // Seen corner, the opposite edge far beyond two corners of the guard band: cut at three planes, every piece is seen.
     for (int turn = 0; turn < 8; ++turn) {
         const double angle = 0.785398 * turn, far = 40000;
-        t.push_back({v.pointAt(r(0, v.width), r(0, v.height), 2), v.pointAt(far * std::cos(angle), far * std::sin(angle), 2),
-                     v.pointAt(far * std::cos(angle + 1.6), far * std::sin(angle + 1.6), turn % 2 ? 3 : 2)});
+        t.push_back({v.pointAt(r(0, v.width), r(0, v.height), 2),
+                     v.pointAt(far * std::cos(angle + 1.6), far * std::sin(angle + 1.6), turn % 2 ? 3 : 2),
+                     v.pointAt(far * std::cos(angle), far * std::sin(angle), 2)});
     }
     return sceneOf(t);
 }

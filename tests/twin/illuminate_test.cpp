@@ -50,12 +50,10 @@ TEST_P(IlluminateTwin, LeavesTheSameBytes) {
         normals.emplace_back(i % 3 == 0 ? -d : i % 7 == 0 ? d : r.direction(), 0.0f);
         material.push_back(r.below(uint32_t(materials.size())));
     }
-    // A light exactly at a point, and one straight behind the eye as seen from a point.
+    // Lights exactly at a point, one of each attenuation where there are so many.
+    uint32_t at = 2;
     for (gpu::LightRecord& l : lights)
-        if (l.kind != 0 && total > 2) {
-            l.place = glm::vec3(positions[2]);
-            break;
-        }
+        if (l.kind != 0 && at < std::min(total, 6u)) l.place = glm::vec3(positions[at++]);
     const gpu::ShadeParts parts{row.diffuse, row.specular, row.point};
     const gpu::IlluminatePush push{0, row.first, row.count, 1, uint32_t(lights.size())};
     std::vector<glm::vec4> want(total);
