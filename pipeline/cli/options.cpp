@@ -354,12 +354,12 @@ const CommandRow& rowOf(Command command) {
 }
 
 const char* nameOf(Aov aov) {
-    static constexpr const char* names[] = {"color", "linear", "depth", "distance", "normal", "object_id", "primitive_id"};
-    return names[size_t(aov)];
+    static constexpr const char* kNames[] = {"color", "linear", "depth", "distance", "normal", "object_id", "primitive_id"};
+    return kNames[size_t(aov)];
 }
 const char* nameOf(Shading shading) {
-    static constexpr const char* names[] = {"wire", "unlit", "flat", "gouraud", "phong"};
-    return names[size_t(shading)];
+    static constexpr const char* kNames[] = {"wire", "unlit", "flat", "gouraud", "phong"};
+    return kNames[size_t(shading)];
 }
 const char* nameOf(Encoding encoding) { return encoding == Encoding::srgb ? "srgb" : "linear"; }
 std::string versionText() { return PLUMB_VERSION; }

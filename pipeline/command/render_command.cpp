@@ -173,7 +173,9 @@ Exit renderCommand(const Options& options) {
     scene.camera = views[0].camera;
     scene.lights = views[0].lights;
     if (!draws) {
-        printData(explained(planRender(scene, request)));
+        const Plan plan = planRender(scene, request);
+        if (!options.json || !options.jsonFile.empty()) printData(explained(plan));
+        writeJson(options, {{{"tool", toolJson()}, {"scene", sceneJson(scene, sources)}, {"camera", cameraJson(views[0].camera)}, {"plan", planJson(plan)}}});
         return Exit::done;
     }
     const OutputPlan plan = outputPlanOf(options, views);

@@ -164,6 +164,7 @@ class Rendering(Command):
     def test_explain_says_what_runs(self):
         done = self.twin(0, "render", "cube.obj", "--explain")
         self.assertIn(b"passes: ", done.stdout)
+        self.assertTrue(json.loads(self.twin(0, "render", "cube.obj", "--explain", "--json").stdout)["plan"]["passes"])
         self.assertEqual(self.files(), ["cube.obj"])
         done = self.twin(0, "render", "cube.obj", "--explain", "-o", "a.png")
         self.assertEqual(done.stdout, b"")
@@ -175,6 +176,10 @@ class Rendering(Command):
         self.assertEqual((camera["fovYDegrees"], camera["near"], camera["focusDistance"]), (40, 0.25, 5))
         self.twin(2, "render", "cube.obj", "-o", "b.png", "--eye", "1,1,1", "--at", "1,1,1", says="same point")
         self.twin(0, "render", "cube.obj", "-o", "top.png", "--eye", "0,9,0", "--at", "0,0,0")
+        turn = json.loads(self.twin(0, "render", "cube.obj", "-o", "t_{n}.png", "--json", "--eye", "0,3,4", "--at", "0,0,0", "--turntable", "4").stdout)
+        for report, eye in zip(turn, ((0, 3, 4), (4, 3, 0), (0, 3, -4), (-4, 3, 0))):
+            for got, want in zip(report["camera"]["eye"], eye):
+                self.assertAlmostEqual(got, want, 12)
 
 
 class Failures(Command):
