@@ -14,6 +14,8 @@ namespace {
 struct Pinhole {
     double focal = 0;             // sample pixels
     double near = 0;
+    double unit = 1;              // passes count lengths in powers of two of the scene's unit in which 1 <= near < 2: squares of distances
+                                  // neither overflow nor underflow whatever unit a scene is in, and scaling it by 2^k changes no bit
     glm::dvec3 right, down, forward, eye;
     double width = 0, height = 0; // samples
 };
@@ -25,6 +27,7 @@ Pinhole pinholeOf(const Camera& camera, double width, double height, double side
     v.focal = camera.focalPixels > 0 ? camera.focalPixels * side
                                      : height / 2 / std::tan(camera.fovYDegrees * 3.14159265358979323846 / 360);
     v.near = camera.near > 0 ? camera.near : std::exp2(std::floor(std::log2(camera.focusDistance)) - 10);
+    v.unit = std::ldexp(1.0, -std::ilogb(v.near));
     v.right = camera.right;
     v.down = -camera.up;
     v.forward = camera.forward;
@@ -55,10 +58,14 @@ gpu::ObjectRecord recordOf(const glm::dmat4& worldFromObject, const Pinhole& v) 
     // Relative to the eye, in binary64, rounded once: the error scales with the distance to the camera, not to the origin.
     glm::dmat4 m = worldFromObject;
     m[3] -= glm::dvec4(v.eye, 0);
+    m *= v.unit;
     const auto row = [&](const glm::dvec3& axis, double scale) {
-        glm::dvec4 r;
-        for (int i = 0; i < 4; ++i) r[i] = scale * glm::dot(axis, glm::dvec3(m[i]));
-        return glm::vec4(r);
+        glm::vec4 r;
+        for (int i = 0; i < 4; ++i) {
+            const double exact = scale * glm::dot(axis, glm::dvec3(m[i]));
+            r[i] = std::abs(exact) < std::numeric_limits<float>::min() ? 0.0f : float(exact);  // no denormals (docs/accuracy.md)
+        }
+        return r;
     };
     gpu::ObjectRecord o{};
     o.rowX = row(v.right, v.focal);
@@ -98,11 +105,20 @@ bool outsideView(const TriangleMesh& mesh, const glm::dmat4& worldFromObject, co
 
 bool isZero(const glm::vec3& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
 
-void checkFinite(const gpu::ObjectRecord& o, const std::string& name) {
-    const auto* f = reinterpret_cast<const float*>(&o);
-    for (size_t i = 0; i < sizeof o / sizeof(float); ++i)
-        if (!(std::abs(f[i]) <= 0x1p100f))
-            throw inputError(name, "its composite matrix exceeds 2^100: move the object or the camera, or change the scale");
+// How far from the eye anything may reach, in units of the near plane: squares of it and of x = focal * it stay finite.
+constexpr double kFarthest = 0x1p60;
+
+void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double focal, const std::string& name) {
+    const auto reach = [&](const glm::vec4& row) {
+        double sum = std::abs(double(row.w));
+        for (int i = 0; i < 3; ++i) sum += std::abs(double(row[i])) * std::max(std::abs(mesh.boundsMin[i]), std::abs(mesh.boundsMax[i]));
+        return sum;
+    };
+    bool near = reach(o.rowX) <= kFarthest * focal && reach(o.rowY) <= kFarthest * focal;
+    for (const glm::vec4& row : {o.rowW, o.world0, o.world1, o.world2}) near &= reach(row) <= kFarthest;
+    if (!near)
+        throw inputError(name, "it reaches further from the eye than 2^60 times the near plane: move the object or the camera, or change the "
+                               "scale or the near plane");
 }
 
 void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinhole& view, std::vector<uint32_t>& materialSlot) {
@@ -122,7 +138,7 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
     if (list.positions.size() + mesh.positions.size() > 0x7fffffffu || list.triangles.size() + mesh.triangles.size() > 0x7fffffffu)
         throw inputError(scene.path, "the scene has more than 2^31 vertices or triangles");
     list.objects.push_back(recordOf(object.worldFromObject, view));
-    checkFinite(list.objects.back(), object.name.empty() ? scene.path : object.name);
+    checkReach(list.objects.back(), mesh, view.focal, object.name.empty() ? scene.path : object.name);
     const auto slotOf = [&](uint32_t material) {
         PLUMB_ASSERT(material < scene.materials.size());
         uint32_t& slot = materialSlot[material];
@@ -163,10 +179,20 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
             continue;
         }
         gpu::LightRecord l{};
-        l.intensity = light.intensity;
+        // Attenuation by 1/d^p with d in the passes' units: the intensity takes unit^p, a power of two.
+        const double fade = light.directional ? 1 : std::pow(view.unit, int(light.attenuation));
+        for (int i = 0; i < 3; ++i) {
+            const double intensity = light.intensity[i] * fade;
+            l.intensity[i] = intensity < std::numeric_limits<float>::min() ? 0.0f : float(intensity);
+        }
         l.attenuation = float(int(light.attenuation));
         l.kind = light.directional ? 0.0f : 1.0f;
-        l.place = light.directional ? glm::vec3(glm::normalize(light.direction)) : glm::vec3(light.position - view.eye);
+        l.place = light.directional ? glm::vec3(glm::normalize(light.direction)) : glm::vec3((light.position - view.eye) * view.unit);
+        if (!light.directional && !(glm::length(glm::dvec3(l.place)) <= kFarthest))
+            throw inputError(scene.path, "a point light is further from the eye than 2^60 times the near plane");
+        if (!(std::max({l.intensity.x, l.intensity.y, l.intensity.z}) <= 0x1p100f))
+            throw inputError(scene.path, "a point light with attenuation is brighter than 2^100 at the near plane's distance: change its "
+                                         "intensity or the near plane");
         p.list.lights.push_back(l);
     }
     if (p.list.lights.size() > gpu::kLightLimit)
@@ -227,7 +253,8 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     const Pinhole view = pinholeOf(*scene.camera, width, height, p.side);
     DrawList& list = p.list;
     list.viewport = {float(width / 2), float(height / 2), float(width / 2) + gpu::kGuardPixels, float(height / 2) + gpu::kGuardPixels,
-                     float(view.near)};
+                     float(view.near * view.unit)};
+    p.near = float(view.near);
     list.frame = {int(width), int(height), 0, int(height)};
     list.cullBackFaces = scene.cullBackFaces ? 1 : 0;
     list.rayOrigin = glm::vec3(view.forward - view.right * (width / 2 / view.focal) - view.down * (height / 2 / view.focal));
@@ -308,7 +335,7 @@ void PlaneWriter::write(uint32_t x, uint32_t y, int zBits, uint32_t triangle, co
     const size_t at = size_t(y) * frame_.width + x;
     const DrawList& list = prepared_.list;
     const float z = gpu::realOf(zBits);
-    const float depth = list.viewport.near / z;
+    const float depth = prepared_.near / z;
     if (planes_ & kPlaneZ) frame_.z[at] = z;
     if (planes_ & kPlaneDepth) frame_.depth[at] = depth;
     if (planes_ & kPlaneDistance) {

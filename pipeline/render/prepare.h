@@ -11,6 +11,7 @@ struct Prepared {
     DrawList list;
     FillChoices choices;          // planes, prior, wide and colour are set by the renderers
     uint32_t width = 0, height = 0, side = 1;   // picture; samples a pixel = side * side
+    float near = 0;               // near plane in scene units; the passes' own is list.viewport.near, in [1, 2)
     uint32_t background = 0;      // encoded
     glm::vec3 backgroundLinear{0};
     Plan plan;

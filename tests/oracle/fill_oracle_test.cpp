@@ -113,6 +113,8 @@ struct Picture {
         frame = renderCpu(scene, request).frame;
         drawn = drawnTriangles(prepared.list, geometry);
     }
+    // In scene units: as stated, or the largest power of two not above 2^-10 of the distance in focus.
+    float near() const { return float(scene.camera->near > 0 ? scene.camera->near : std::exp2(std::floor(std::log2(scene.camera->focusDistance)) - 10)); }
     int width() const { return int(request.width); }
     int height() const { return int(request.height); }
 };
@@ -240,7 +242,7 @@ TEST(FillOracle, VerticesAreWithinTheBoundOfBinary64Projection) {
                 check(c.right, p.width() / 2.0, v.x);
                 check(-c.up, p.height() / 2.0, v.y);
                 const double depthBound = (kRowError * 2 * (glm::length(toPoint) + glm::length(local)) / w + kUnit) * v.z;
-                ASSERT_LE(std::abs(double(v.z) - double(p.prepared.list.viewport.near) / w), depthBound) << mesh << " vertex " << i;
+                ASSERT_LE(std::abs(double(v.z) - double(p.near()) / w), depthBound) << mesh << " vertex " << i;
                 ++vertices;
             }
         }
@@ -338,7 +340,7 @@ void expectFixedFunctionAgreesUnsnapped(const Picture& p, const std::string& nam
                 const glm::dvec3 local(p.scene.meshes[object.mesh].positions[p.prepared.list.triangles[t][i] - r.firstVertex]);
                 const glm::dvec3 toPoint = glm::dvec3(object.worldFromObject * glm::dvec4(local, 1)) - c.eye;
                 vertices.push_back({float(focal * glm::dot(c.right, toPoint) / (p.width() / 2.0)), float(-focal * glm::dot(c.up, toPoint) / (p.height() / 2.0)),
-                                    p.prepared.list.viewport.near, float(glm::dot(c.forward, toPoint))});
+                                    p.near(), float(glm::dot(c.forward, toPoint))});
             }
             ids.push_back(t);
         }
@@ -444,7 +446,7 @@ void expectShading(const Picture& p, const std::string& name, ShadingVerdict& v)
         const Real80 rayParts = lengthOf(Vector(c.forward)) + (p.width() + std::abs(x + 0.5L)) / focal + (p.height() + std::abs(y + 0.5L)) / focal;
         const Real80 rayError = Real80(kRayError) * rayParts / lengthOf(ray);
         const Vector toEye = -ray / lengthOf(ray);
-        const Vector position = ray * (Real80(list.viewport.near) / Real80(a.z));
+        const Vector position = ray * (Real80(p.near()) / Real80(a.z));
         const Real80 positionError = lengthOf(position) * (Real80(kDistanceError) + Real80(a.bound) / Real80(a.z) + rayError);
         Vector colour(0), bound(0);
         for (int i = 0; i < 3; ++i) {
