@@ -349,7 +349,7 @@ void GltfFile::parse(std::string_view text) {
             if (at != message.npos) message.remove_prefix(at + start.size());
         }
         const size_t colon = message.find(": ");
-        if (colon != message.npos && colon < 12) message.remove_prefix(colon + 2);
+        if (colon < 12) message.remove_prefix(colon + 2);
         return "JSON: " + printable(message);
     };
     try {

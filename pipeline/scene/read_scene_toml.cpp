@@ -348,7 +348,7 @@ glm::vec3 SceneFile::colourOf(const toml::node& node, const std::string& field, 
             refuse(node, fmt::format("{} is '{}', not a number, [r, g, b] or \"#rrggbb\"", field, printable(word, 40)));
         glm::vec3 colour;
         for (int i = 0; i < 3; ++i) {
-            colour[i] = linearOfSrgb(digit(word[size_t(2 * i + 1)]) * 16 + digit(word[size_t(2 * i + 2)]));
+            colour[i] = linearOfSrgb(digit(word[2 * size_t(i) + 1]) * 16 + digit(word[2 * size_t(i) + 2]));
         }
         return colour;
     }
