@@ -3,7 +3,7 @@
 """Lists the decisions of the contracts (shaders/shared/*.h) and fails on one that nothing shows to matter.
 
 A decision is a comparison (< > <= >= == != gt same), a logical && or ||, a min, max or clamp, or a choice (if, ?:, pick) whose condition holds
-none of these. Each needs a planted fault in tests/fault/plants.txt that changes it, or a reason why there can be none:
+none of these. Each needs a planted fault in tests/fault/plants.txt that changes it or what it decides on, or a reason why there can be none:
 
     // no plant: reason        at the end of its line, or alone on the line above
 
@@ -11,7 +11,7 @@ A planted fault is four lines; run_plants.py shows that the named tests notice i
 
     [name] SIDE PROGRAM FILTER       SIDE: device (the shader's text), twin (C++'s text), both; FILTER as for --gtest_filter
     FILE                             below shaders/ (shared/fill.h, fill.comp), or from the root
-    - text                           exactly once in FILE
+    - text                           exactly once in FILE; ^text: at the start of a line
     + replacement
 
 usage: plants.py [ROOT]        exit 1 on a decision without a plant, or a row that fits nothing
@@ -24,7 +24,7 @@ import sys
 from collections import namedtuple
 
 Row = namedtuple("Row", "name side program filter file text replacement line")
-Decision = namedtuple("Decision", "line start end text")
+Decision = namedtuple("Decision", "line start end text first last")  # first, last: the extent, with what it decides on
 
 COMPARISONS = ("<=", ">=", "==", "!=", "<", ">", "&&", "||")
 FUNCTIONS = ("gt", "same", "min", "max", "clamp")
@@ -86,10 +86,37 @@ def decisions(text):
             first, last = condition_of(words, i)
             if not any(first <= j < last for j in decides):
                 decides.append(i)
+    end = lambda i: words[i][1] + len(words[i][0])
     for i in sorted(decides):
         word, start = words[i]
-        found.append(Decision(text.count("\n", 0, start) + 1, start, start + len(word), word))
+        if called(i) and word not in COMPARISONS:
+            depth = last = 0
+            for last in range(i + 1, len(words)):
+                depth += words[last][0] == "("
+                depth -= words[last][0] == ")"
+                if depth == 0:
+                    break
+            extent = start, end(last)
+        elif word == "?":  # with both of its answers
+            depth, last = 0, i
+            while last + 1 < len(words) and depth >= 0:
+                last += 1
+                depth += words[last][0] in ("(", "[")
+                depth -= words[last][0] in (")", "]")
+                if depth <= 0 and words[last][0] in (";", ",", ")", "]"):
+                    break
+            extent = words[condition_of(words, i)[0]][1], end(last)
+        else:
+            extent = words[max(i - 1, 0)][1], end(min(i + 1, len(words) - 1))
+        found.append(Decision(text.count("\n", 0, start) + 1, start, start + len(word), word, *extent))
     return found
+
+
+def covered_by(part, found):
+    """Decisions that a change of the range `part` is a fault of: those whose word it touches, and the innermost that it lies in."""
+    touched = [d for d in found if part[0] < d.end and d.start < part[1]]
+    around = [d for d in found if d.first <= part[0] and part[1] <= d.last]
+    return touched + sorted(around, key=lambda d: d.last - d.first)[:1]
 
 
 def read_rows(path):
@@ -116,6 +143,18 @@ def read_rows(path):
     return rows, faults
 
 
+def places_of(text, row):
+    """Where the text of a row stands. A leading ^ holds it to the start of a line."""
+    if row.text.startswith("^"):
+        return [m.start() for m in re.finditer("^" + re.escape(row.text[1:]), text, flags=re.M)]
+    return [m.start() for m in re.finditer("(?=" + re.escape(row.text) + ")", text)]
+
+
+def planted(text, row):
+    at, length = places_of(text, row)[0], len(row.text.removeprefix("^"))
+    return text[:at] + row.replacement + text[at + length:]
+
+
 def path_of(root, file):
     below = os.path.join(root, "shaders", file)
     return below if os.path.isfile(below) else os.path.join(root, file)
@@ -132,6 +171,8 @@ def changed_range(text, replacement):
     while last < min(len(old), len(new)) - first and old[-1 - last] == new[-1 - last]:
         last += 1
     changed = places[first:len(old) - last]
+    if not changed and len(old) != len(new):  # only put in: a fault of what stands there
+        changed = places[min(first, len(old) - 1):][:1]
     return (changed[0][0], changed[-1][1]) if changed else None
 
 
@@ -147,14 +188,15 @@ def check(root, list_all=False):
             continue
         with open(path, encoding="utf-8") as f:
             text = f.read()
-        if text.count(row.text) != 1:
-            faults.append(f"{rows_path}:{row.line}: {row.name}: `{row.text}` stands {text.count(row.text)} times in {row.file}")
+        places = places_of(text, row)
+        if len(places) != 1:
+            faults.append(f"{rows_path}:{row.line}: {row.name}: `{row.text}` stands {len(places)} times in {row.file}")
             continue
-        part = changed_range(row.text, row.replacement)
+        part = changed_range(row.text.removeprefix("^"), row.replacement)
         if part is None:
             faults.append(f"{rows_path}:{row.line}: {row.name}: changes nothing")
             continue
-        at = text.index(row.text)
+        at = places[0]
         covered.setdefault(os.path.relpath(path, root), []).append((at + part[0], at + part[1], row.name))
     total = reasons = 0
     for name in sorted(os.listdir(folder)):
@@ -164,11 +206,13 @@ def check(root, list_all=False):
         with open(os.path.join(root, path), encoding="utf-8") as f:
             text = f.read()
         lines = text.split("\n")
-        for d in decisions(text):
+        found = decisions(text)
+        planted_here = [(d, row) for start, end, row in covered.get(path, []) for d in covered_by((start, end), found)]
+        for d in found:
             total += 1
             above = lines[d.line - 2].strip() if d.line > 1 else ""
             reason = NO_PLANT.search(lines[d.line - 1]) or (above.startswith("//") and NO_PLANT.search(above))
-            plants = [row for start, end, row in covered.get(path, []) if start < d.end and d.start < end]
+            plants = sorted({row for other, row in planted_here if other == d})
             reasons += bool(reason)
             if list_all:
                 says = ", ".join(plants) or ("no plant" if reason else "NOTHING")
@@ -193,6 +237,10 @@ def self_test():
     ok &= changed_range("z == best && t < u", "false") == (0, 18)
     ok &= changed_range("z == best && t < u", "z == best && u < t") == (13, 18)
     ok &= changed_range("a < b", "a  <  b") is None
+    ok &= changed_range("if (a)", "if (!a)") == (4, 5)
+    nested = "max(max(a, b), c); x == 3u; if (y) z;"
+    hit = lambda part: sorted((d.start, d.text) for d in covered_by(part, decisions(nested)))
+    ok &= hit((4, 16)) == [(0, "max"), (4, "max")] and hit((8, 9)) == [(4, "max")] and hit((24, 26)) == [(21, "==")] and hit((32, 33)) == [(28, "if")]
     print(f"plants --self-test: {'right' if ok else f'wrong: {found}'}")
     return 0 if ok else 1
 

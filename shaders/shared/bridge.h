@@ -75,9 +75,7 @@ uint pick(bool c, uint yes, uint no) { return c ? yes : no; }
 vec4 pick(bvec4 c, vec4 yes, vec4 no) { return mix(no, yes, c); }
 ivec4 pick(bvec4 c, ivec4 yes, ivec4 no) { return mix(no, yes, c); }
 bvec4 gt(vec4 a, vec4 b) { return greaterThan(a, b); }
-bool gt(float a, float b) { return a > b; }
 bvec4 same(ivec4 a, ivec4 b) { return equal(a, b); }
-bool same(int a, int b) { return a == b; }
 vec4 toReal(ivec4 i) { return vec4(i); }
 float toReal(int i) { return float(i); }
 ivec4 toInt(vec4 x) { return ivec4(x); }

@@ -89,11 +89,11 @@ SHARED_FN float emulatedRoot(float a, int seedErrorUlp) {
 }
 
 SHARED_FN float exactDivide(float a, float b) {
-    if (kNativeDivide) return nativeDivide(a, b);
+    if (kNativeDivide) return nativeDivide(a, b);  // no plant: both forms give the same bits
     return emulatedDivide(a, b, 0);
 }
 SHARED_FN float exactRoot(float a) {
-    if (kNativeRoot) return nativeRoot(a);
+    if (kNativeRoot) return nativeRoot(a);  // no plant: both forms give the same bits
     return emulatedRoot(a, 0);
 }
 
