@@ -48,7 +48,8 @@ uint64_t GpuFrame::chunkTriangles() const {
 uint32_t GpuFrame::bandRows(uint32_t planes) const {
     const DeviceLimits& l = device_.limits();
     const uint64_t pitch = (uint64_t(prepared_.list.frame.width) + 15) / 16 * 16;
-    const uint64_t words = std::min({l.storageRangeBytes / 4, l.texelElements, device_.memoryBudgetBytes() / 4 / 4});
+    // reserve() takes a quarter more and 16 elements of four words.
+    const uint64_t words = (std::min({l.storageRangeBytes / 4, l.texelElements, device_.memoryBudgetBytes() / 4 / 4}) - 64) / 5 * 4;
     const uint64_t rows = words / (pitch * std::max(1u, planeCount(planes))) / 8 * 8;
     return uint32_t(std::clamp<uint64_t>(rows, 8, uint64_t(1) << 19));
 }
