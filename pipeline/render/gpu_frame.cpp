@@ -11,7 +11,8 @@ namespace plumb {
 
 namespace {
 
-constexpr uint32_t kClipCornersAtFirst = 4096;
+// Room for clipped corners at first; more is made when more is needed.
+constexpr uint64_t kClipCornersAtFirst = 4096;
 // Tile-list entries and shaded tiles of one dispatch: about 20 ns and 2 us each on two cores, so well below 100 ms.
 constexpr uint64_t kWorkPerDispatch = uint64_t(1) << 21;
 constexpr uint64_t kWorkPerTile = 100;
@@ -38,9 +39,9 @@ GpuFrame::GpuFrame(Device& device, const Prepared& prepared, double watchdogMs)
 
 uint64_t GpuFrame::chunkTriangles() const {
     const DeviceLimits& l = device_.limits();
-    // Three vertices a triangle at worst, 16 bytes each in the screen and carried buffers; an eighth is left for clipped corners.
+    // Three vertices a triangle at worst, 16 bytes each in the screen and carried buffers; the rest is left for clipped corners and growth.
     const uint64_t vertices = std::min(l.storageRangeBytes / 16, l.texelElements);
-    const uint64_t byRange = vertices / 4;
+    const uint64_t byRange = vertices / 5;
     const uint64_t byBudget = device_.memoryBudgetBytes() / 2 / 400;  // 400 bytes a triangle with three vertices of its own
     return std::max<uint64_t>(1, std::min(byRange, byBudget));
 }
@@ -80,7 +81,7 @@ void GpuFrame::upload(const DrawList& chunk) {
         put<uint32_t>(device_, faceMaterial_, chunk.faceMaterial, "face materials");
         faceColours_.reserve(device_, std::max<uint64_t>(1, chunk.facePositions.size()), "face colours");
     }
-    const uint64_t corners = chunk.positions.size() + kClipCornersAtFirst;
+    const uint64_t corners = chunk.positions.size() + std::min<uint64_t>(kClipCornersAtFirst, chunk.positions.size() / 8 + 64);
     screen_.reserve(device_, corners, "screen vertices");
     carried_.reserve(device_, corners, "carried values");
     records_.reserve(device_, (chunk.triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane, "cull records");

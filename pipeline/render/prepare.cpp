@@ -220,9 +220,11 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
     if (request.keepEverything) return;
     if (p.list.lights.empty() || (!diffuse && !specular)) {
         p.plan.dropped.push_back({"illumination", p.list.lights.empty() ? "no light" : "no material reflects light"});
-        c.shading = gpu::kShadingUnlit;
         c.parts = {false, false, false};
         p.list.lights.clear();
+        // Interpolating equal colours rounds: Gouraud keeps its colours of vertices, the others draw the base colour itself.
+        if (c.shading == gpu::kShadingGouraud) return;
+        c.shading = gpu::kShadingUnlit;
         for (gpu::MaterialRecord& m : p.list.materials) m.diffuse = m.base;
         return;
     }
