@@ -38,7 +38,7 @@ struct Camera {
 
 struct Scene {
     std::string path;                 // as given
-    std::string sha256;               // of the file's bytes (of the scene file; meshes have their own)
+    std::string sha256;               // of a scene file's bytes; empty for bare meshes
     std::vector<TriangleMesh> meshes;
     std::vector<Material> materials;  // at least one
     std::vector<Object> objects;      // object_id = index here

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 #include <functional>
 #include <map>
-#include <regex>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -67,9 +66,22 @@ std::string refusal(const std::string& name, const std::string& bytes, const Loa
     });
 }
 
+// "file:line:column: text" or "file: byte N: text".
 bool hasPlace(const std::string& message) {
-    static const std::regex place(R"(^[^:]+(:[1-9][0-9]*:[1-9][0-9]*: |: byte [0-9]+: ).+)");
-    return std::regex_match(message, place);
+    size_t at = message.find(':');
+    const auto number = [&] {
+        const size_t first = at;
+        while (at < message.size() && std::isdigit(uint8_t(message[at]))) ++at;
+        return at > first;
+    };
+    const auto text = [&](std::string_view want) {
+        const bool there = message.compare(at, want.size(), want) == 0;
+        at += there ? want.size() : 0;
+        return there;
+    };
+    if (at == std::string::npos || at == 0) return false;
+    if (text(": byte ")) return number() && text(": ") && at < message.size();
+    return text(":") && number() && text(":") && number() && text(": ") && at < message.size();
 }
 
 template <class T>
