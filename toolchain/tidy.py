@@ -73,6 +73,9 @@ def judge(build, source, arguments):
 
 
 def main():
+    if len(sys.argv) < 2 or not os.path.exists(os.path.join(sys.argv[1], "build.ninja")):
+        print("usage: tidy.py BUILD [JOBS] [SOURCE...]    BUILD: a Ninja tree that is built")
+        return 2
     build = os.path.abspath(sys.argv[1])
     jobs = int(sys.argv[2]) if len(sys.argv) > 2 else os.cpu_count()
     only = [os.path.abspath(path) for path in sys.argv[3:]]
