@@ -363,7 +363,7 @@ private:
 
     struct Edge {
         uint32_t from, to;                      // places, as the first face has them
-        uint32_t corner;                        // of the first face, at `from`
+        uint32_t corner, face;                  // where it was first seen
         uint32_t smooth[2] = {kNone, kNone};    // corners where the faces with an area begin this edge
         uint32_t smoothFace[2] = {kNone, kNone};
         uint32_t count = 0;                     // of faces with an area
@@ -381,7 +381,7 @@ private:
                     hash(a, b), fresh,
                     [&](uint32_t i) { return (edges_[i].from == a && edges_[i].to == b) || (edges_[i].from == b && edges_[i].to == a); },
                     [&](uint32_t i) { return hash(edges_[i].from, edges_[i].to); });
-                if (e == fresh) edges_.push_back({a, b, c});
+                if (e == fresh) edges_.push_back({a, b, c, uint32_t(f)});
                 // A face without area has no side; the faces beside it meet each other.
                 if (faceNormal_[f] == glm::dvec3(0)) continue;
                 Edge& edge = edges_[e];
@@ -486,10 +486,7 @@ private:
             }
         }
         out_.edges.reserve(edges_.size());
-        for (const Edge& edge : edges_) {
-            const size_t face = size_t(std::upper_bound(in_.faceFirst.begin(), in_.faceFirst.end(), edge.corner) - in_.faceFirst.begin()) - 1;
-            out_.edges.push_back({vertexOf_[edge.corner], vertexOf_[next(face, edge.corner)]});
-        }
+        for (const Edge& edge : edges_) out_.edges.push_back({vertexOf_[edge.corner], vertexOf_[next(edge.face, edge.corner)]});
     }
 
     void cutFaces() {

@@ -92,6 +92,7 @@ TEST(SceneFinish, ConcaveFacesAreTiledInTheirOwnPlane) {
         {"arrow, first corner reflex", {{0.5, 1}, {0, 0}, {2, 1}, {0, 2}}},
         {"L", {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}},
         {"U", {{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}}},
+        {"notch whose tip lies on a diagonal", {{0, 0}, {4, 0}, {4, 4}, {2, 2}, {0, 4}}},
         {"star", {{0, 3}, {-0.7, 1}, {-2.9, 0.9}, {-1.1, -0.4}, {-1.8, -2.4}, {0, -1.2}, {1.8, -2.4}, {1.1, -0.4}, {2.9, 0.9}, {0.7, 1}}},
         {"spiral", {{0, 0}, {6, 0}, {6, 6}, {1, 6}, {1, 2}, {4, 2}, {4, 4}, {3, 4}, {3, 3}, {2, 3}, {2, 5}, {5, 5}, {5, 1}, {0, 1}}},
         {"square with midpoints", {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}}},
@@ -318,6 +319,12 @@ TEST(SceneFinish, ANormalThatCancelsIsTheFaces) {
     const TriangleMesh mesh = finish(in);
     EXPECT_EQ(mesh.repairedNormals, 6u);
     for (const auto& t : mesh.triangles) EXPECT_EQ(mesh.normals[t.vertex[0]], mesh.faceNormal[t.face]);
+    // Nearly back to back: what is left of the mean has lost more than 10 bits. Less nearly: it is kept.
+    in = polygons({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 1e-4f}}, {{0, 1, 2}, {0, 3, 1}});
+    in.faceSmoothing = {1, 1};
+    EXPECT_EQ(finish(in).repairedNormals, 4u) << "the two corners on the common edge, in both faces";
+    in.positions[3].z = 0.1f;
+    EXPECT_EQ(finish(in).repairedNormals, 0u);
 }
 
 TEST(SceneFinish, DenormalsBecomeZeroAndAreCounted) {

@@ -141,9 +141,22 @@ TEST(SceneFrame, DefaultLightsClipNoUsualMaterialAndLeaveNoVisibleSurfaceDark) {
                 brightest = std::max(brightest, test::plainPhong(scene, white, n, back).x);
                 if (z > 0.02) darkest = std::min(darkest, test::plainPhong(scene, matte, n, back).x);
             }
+        EXPECT_GT(test::srgb8(brightest), 230) << "there is light to spare";
         EXPECT_LT(test::srgb8(brightest), 255) << "Ns " << shininess << ": " << brightest;
         EXPECT_GT(test::srgb8(darkest), 0) << darkest;
     }
+}
+
+TEST(SceneFrame, TheSidesOfABoxAreToldApartByTheirBrightness) {
+    Scene scene;
+    completeScene(scene, {640, 480}, "", true);
+    Material matte;
+    matte.ambient = vec3(0);
+    matte.diffuse = vec3(1);
+    const auto grey = [&](const dvec3& n) { return test::plainPhong(scene, matte, n, -scene.camera->forward).x; };
+    EXPECT_NEAR(grey({0, 1, 0}), 0.37, 0.01);
+    EXPECT_NEAR(grey({0, 0, 1}), 0.27, 0.01);
+    EXPECT_NEAR(grey({1, 0, 0}), 0.08, 0.01);
 }
 
 TEST(SceneFrame, ViewsLookFromWhereTheySay) {
