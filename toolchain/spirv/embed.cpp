@@ -22,7 +22,7 @@ namespace {
 constexpr uint32_t kMagic = 0x07230203u;
 constexpr size_t kHeaderWords = 5;
 constexpr uint32_t kOpDecorate = 71, kOpTypeVoid = 19, kOpTypeForwardPointer = 39;
-constexpr uint32_t kNoContraction = 42;
+constexpr uint32_t kNoContraction = 42, kRelaxedPrecision = 0;
 
 bool isFloatArithmetic(uint32_t opcode) {
     switch (opcode) {
@@ -61,7 +61,12 @@ std::vector<uint32_t> decorated(const std::vector<uint32_t>& words) {
         at += count;
     }
     if (firstType == 0) throw std::runtime_error("module without types");
-    std::vector<uint32_t> out(words.begin(), words.begin() + long(firstType));
+    // glslang marks subgroup built-ins RelaxedPrecision; a permission to be less exact is never wanted here.
+    std::vector<uint32_t> out(words.begin(), words.begin() + long(kHeaderWords));
+    for (size_t at = kHeaderWords; at < firstType; at += words[at] >> 16) {
+        const bool relaxed = (words[at] & 0xffffu) == kOpDecorate && words[at] >> 16 == 3 && words[at + 2] == kRelaxedPrecision;
+        if (!relaxed) out.insert(out.end(), words.begin() + long(at), words.begin() + long(at + (words[at] >> 16)));
+    }
     for (const uint32_t result : results)
         if (!alreadyDecorated.contains(result)) out.insert(out.end(), {3u << 16 | kOpDecorate, result, kNoContraction});
     out.insert(out.end(), words.begin() + long(firstType), words.end());
