@@ -8,10 +8,6 @@ import json
 import os
 import sys
 
-# Parts of time_ms that are no pass.
-WHOLE = ("load", "device", "render", "write", "total")
-
-
 def row_of(name, out):
     with open(os.path.join(out, name + ".verdict"), encoding="utf-8") as f:
         verdict = f.read().strip()
@@ -24,7 +20,7 @@ def row_of(name, out):
         report = report[0]
     size = report["image"]["size"]
     times = report["time_ms"]
-    passes = {key: value for key, value in times.items() if key not in WHOLE}
+    passes = times["passes"]
     return [name, "x".join(str(n) for n in size), str(report["scene"]["triangles"]),
             "  ".join(f"{key} {value:.1f}" for key, value in passes.items()), f"{times['total']:.0f}", verdict], report["device"]
 
@@ -33,7 +29,7 @@ def main():
     pictures, out = sys.argv[1:]
     with open(pictures, encoding="utf-8") as f:
         names = [line.split()[0] for line in f if line.strip() and not line.startswith("#")]
-    rows = [["scene", "size", "triangles", "passes run, ms each", "total ms", "twin"]]
+    rows = [["scene", "size", "triangles", "passes run, ms of each", "total ms", "twin"]]
     device = None
     for name in names:
         row, on = row_of(name, out)

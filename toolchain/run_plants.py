@@ -150,6 +150,7 @@ def main():
     begin = time.monotonic()
     say = lambda text: print(f"[{time.monotonic() - begin:5.0f} s] {text}", flush=True)
     os.environ.setdefault("VK_ICD_FILENAMES", f"/usr/share/vulkan/icd.d/lvp_icd.{os.uname().machine}.json")
+    os.environ.setdefault("PLUMB_VALIDATION", "1")
     programs = sorted({row.program for row in rows})
     base = os.path.join(os.path.abspath(options.build), "plants")
     trees = [Tree(base, 0, options.jobs)] + [Tree(base, n, 1) for n in range(1, min(options.jobs, 4, len(rows)))]

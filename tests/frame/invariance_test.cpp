@@ -126,7 +126,7 @@ TEST_F(Frames, DoNotDependOnTheTwinsThreadsAndBands) {
 
 // Devices whose limits are far below a scene's needs: more chunks and bands, the same bytes.
 TEST_F(Frames, DoNotDependOnLimits) {
-    for (const char* limits : {"storageRange=262144", "texelElements=65536", "storageRange=1048576,texelElements=131072", "groupCount=4"}) {
+    for (const char* limits : {"storageRange=262144", "texelElements=65536", "storageRange=1048576,texelElements=131072", "groupCount=64"}) {
         SCOPED_TRACE(limits);
         const std::unique_ptr<Device> small = DeviceEnvironment::open(limits);
         uint64_t cuts = 0;

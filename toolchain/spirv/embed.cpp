@@ -2,7 +2,7 @@
 // plumb_spirv_embed NAME IN.spv OUT.spv OUT.h
 // Decorates the result of every floating-point arithmetic instruction of a module with NoContraction, so that no
 // driver may fuse or reassociate it (GLSL's `precise`, without writing it), and embeds the words as
-// `plumb::spirv::NAME`. Instructions and decorations that are already there stay as they are.
+// `plumb::spirv::NAME`. RelaxedPrecision is taken away; all else stays as it is.
 // SPIR-V 1.5 specification: section 2.3 (physical layout), 2.4 (logical layout), 3.20 (decorations).
 #include <array>
 #include <bit>
