@@ -41,7 +41,8 @@ def main():
         right = (2, 4)  # numbers
         print("  ".join(cell.rjust(w) if i in right else cell.ljust(w) for i, (cell, w) in enumerate(zip(row, widths))).rstrip())
     if device:
-        print(f"\nDrawn by {device['name']}, pictures in {out}/. twin: the CPU twin's pictures, compared byte for byte.")
+        print(f"\nDrawn by {device['name']}, pictures in {out}/. On a first run the time of a pass holds the compilation of its shader.\n"
+              "twin: the planes of the CPU twin and of the device, compared byte for byte.")
 
 
 if __name__ == "__main__":
