@@ -121,7 +121,8 @@ void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double foc
                                "scale or the near plane");
 }
 
-void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinhole& view, std::vector<uint32_t>& materialSlot) {
+void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinhole& view, std::vector<uint32_t>& materialSlot,
+                  bool unlit) {
     const Object& object = scene.objects[index];
     const TriangleMesh& mesh = scene.meshes[object.mesh];
     DrawList::Range r;
@@ -146,7 +147,8 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
             slot = uint32_t(list.materials.size());
             const Material& m = scene.materials[material];
             const glm::vec3 base = m.ambient * scene.ambient + m.emission;
-            list.materials.push_back({base, m.shininess, m.diffuse, m.shininess == 0 ? 1.0f : 0.0f, m.specular, 0.0f});
+            // Unlit draws what a surface shows without a light: its own colour and what it emits.
+            list.materials.push_back({base, m.shininess, unlit ? m.diffuse + m.emission : m.diffuse, m.shininess == 0 ? 1.0f : 0.0f, m.specular, 0.0f});
         }
         return slot;
     };
@@ -273,7 +275,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
             p.plan.dropped.push_back({fmt::format("object {}", object.name.empty() ? std::to_string(i) : object.name), "outside the view"});
             continue;
         }
-        appendObject(list, scene, i, view, materialSlot);
+        appendObject(list, scene, i, view, materialSlot, request.shading == Shading::unlit);
     }
     p.counters.objectsDrawn = list.ranges.size();
     if (list.materials.empty()) list.materials.push_back({});
