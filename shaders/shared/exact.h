@@ -20,6 +20,7 @@ SHARED_FN float nativeDivide(float a, float b) { return a / b; }
 // sign | significand * 2^(exponentField - 150), significand given with one guard bit below and rounded to even.
 SHARED_FN float roundedToEven(uint sign, uint exponentField, uint significandWithGuard, bool sticky) {
     uint significand = significandWithGuard >> 1;
+    // no plant: for the last !=, as no quotient or root of significands is a tie
     bool up = (significandWithGuard & 1u) != 0u && (sticky || (significand & 1u) != 0u);
     // A carry out of the significand runs into the exponent field, which is the wanted result.
     return realOf(int(sign | ((exponentField << 23) + (significand - 0x800000u) + pick(up, 1u, 0u))));
