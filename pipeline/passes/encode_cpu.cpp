@@ -20,7 +20,7 @@ long double linearOfCode(long double code) {
 }  // namespace
 
 const std::array<float, 256>& srgbThresholds() {
-    static const std::array<float, 256> table = [] {
+    static const std::array<float, 256> kTable = [] {
         std::array<float, 256> t{};
         for (int c = 1; c < 256; ++c) {
             const long double exact = linearOfCode(c - 0.5L);
@@ -30,11 +30,11 @@ const std::array<float, 256>& srgbThresholds() {
         }
         return t;
     }();
-    return table;
+    return kTable;
 }
 
 const std::vector<uint32_t>& srgbBucketTable() {
-    static const std::vector<uint32_t> table = [] {
+    static const std::vector<uint32_t> kTable = [] {
         std::vector<uint32_t> t;
         const std::array<float, 256>& thresholds = srgbThresholds();
         for (int bucket = 0; bucket < gpu::kEncodeBuckets; ++bucket) {
@@ -52,7 +52,7 @@ const std::vector<uint32_t>& srgbBucketTable() {
         }
         return t;
     }();
-    return table;
+    return kTable;
 }
 
 uint32_t encodeSrgbCpu(float linear) {

@@ -4,9 +4,9 @@
 #include "pipeline/scene/sha256.h"
 #include "pipeline/render/twin_frame.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <fmt/format.h>
 
 namespace plumb {
@@ -27,12 +27,19 @@ std::string hashOf(const std::vector<T>& v) {
     return sha256Hex(std::as_bytes(std::span<const T>(v)));
 }
 
+// Every bit counts: -0 is not +0, and a NaN equals itself only bit for bit.
+template <class T>
+bool sameBits(const T& a, const T& b) {
+    const auto x = std::as_bytes(std::span<const T>(&a, 1)), y = std::as_bytes(std::span<const T>(&b, 1));
+    return std::equal(x.begin(), x.end(), y.begin());
+}
+
 // First differing element of two arrays of plain structs, or -1.
 template <class T>
 int64_t firstDifference(std::span<const T> want, std::span<const T> got) {
     if (want.size() != got.size()) return int64_t(std::min(want.size(), got.size()));
     for (size_t i = 0; i < want.size(); ++i)
-        if (std::memcmp(&want[i], &got[i], sizeof(T)) != 0) return int64_t(i);
+        if (!sameBits(want[i], got[i])) return int64_t(i);
     return -1;
 }
 
@@ -165,7 +172,7 @@ private:
             }
             for (uint32_t i = 0; i < 3; ++i) {
                 const float got = gpu::realOf(int(frame.plane(2 + i)[word])), wanted = linear[3 * at + i];
-                if (!std::isfinite(got) || !std::isfinite(wanted) || std::memcmp(&got, &wanted, 4) != 0) {
+                if (!std::isfinite(got) || !std::isfinite(wanted) || !sameBits(got, wanted)) {
                     failPixel("shade", band, x, y,
                               fmt::format("{} of triangle {}: twin has {} ({:08x}), device has {} ({:08x}), {} ULP", "RGB"[i], int(wantTriangle),
                                           wanted, std::bit_cast<uint32_t>(wanted), got, std::bit_cast<uint32_t>(got), ulpDistance(wanted, got)));
@@ -190,7 +197,7 @@ private:
         int64_t first = -1;
         bool finite = true;
         for (size_t i = 0; i < twin.size(); ++i) {
-            bool bad = std::memcmp(&twin[i], &device[i], sizeof(T)) != 0;
+            bool bad = !sameBits(twin[i], device[i]);
             if constexpr (std::is_same_v<T, float>) {
                 if (std::isnan(twin[i]) || std::isnan(device[i])) bad = true, finite = false;
             }
