@@ -343,7 +343,8 @@ void PlaneWriter::write(uint32_t x, uint32_t y, int zBits, uint32_t triangle, co
     if (planes_ & kPlaneZ) frame_.z[at] = z;
     if (planes_ & kPlaneDepth) frame_.depth[at] = depth;
     if (planes_ & kPlaneDistance) {
-        const double side = prepared_.side, centre = double(prepared_.side / 2) + 0.5;
+        const uint32_t middle = prepared_.side / 2;
+        const double side = prepared_.side, centre = double(middle) + 0.5;
         const double sx = x * side + centre, sy = y * side + centre;
         const glm::dvec3 ray = glm::dvec3(list.rayOrigin) + glm::dvec3(list.rayX) * sx + glm::dvec3(list.rayY) * sy;
         frame_.distance[at] = float(double(depth) * std::sqrt(glm::dot(ray, ray)));

@@ -97,10 +97,10 @@ double dotOf(const glm::dvec3& a, const glm::dvec3& b) { return (a.x * b.x + a.y
 // arccos to 2e-8 (Abramowitz and Stegun 4.4.46). A weight needs no more, and acos differs between C libraries.
 double angleOf(double cosine) {
     const double x = std::min(std::abs(cosine), 1.0);
-    constexpr double a[] = {1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046,
+    constexpr double kA[] = {1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046,
                             0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911};
-    double sum = a[7];
-    for (int i = 6; i >= 0; --i) sum = sum * x + a[i];
+    double sum = kA[7];
+    for (int i = 6; i >= 0; --i) sum = sum * x + kA[i];
     const double angle = std::sqrt(1.0 - x) * sum;
     return cosine < 0 ? kPi - angle : angle;
 }

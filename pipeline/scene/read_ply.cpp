@@ -281,7 +281,8 @@ private:
         const bool indices = property.role == kIndices;
         if (count < (indices ? 3 : 0))
             throw inputError(placeOfValue(), fmt::format("{} has {} entries{}", fieldOf(element, property, item), count, indices ? "; a face has at least 3 corners" : ""));
-        if (!ascii_ && count > double((text_.size() - at_) / kTypeBytes[size_t(property.type)]))
+        const size_t most = (text_.size() - at_) / kTypeBytes[size_t(property.type)];  // binary: that many bytes are left
+        if (!ascii_ && count > double(most))
             throw inputError(placeOfValue(), fmt::format("{} has {} entries; the file ends before", fieldOf(element, property, item), count));
         for (double i = 0; i < count; ++i) {
             const double entry = value(element, property, property.type, item);

@@ -56,10 +56,10 @@ std::string sha256Hex(std::span<const std::byte> bytes) {
     const uint64_t bits = uint64_t(bytes.size()) * 8;
     for (int i = 0; i < 8; ++i) tail[tailBytes - 1 - size_t(i)] = static_cast<unsigned char>(bits >> (8 * i));
     for (size_t at = 0; at < tailBytes; at += 64) addBlock(state, tail + at);
-    static const char digits[] = "0123456789abcdef";
+    static const char kDigits[] = "0123456789abcdef";
     std::string hex;
     for (const uint32_t word : state)
-        for (int shift = 28; shift >= 0; shift -= 4) hex += digits[word >> shift & 15];
+        for (int shift = 28; shift >= 0; shift -= 4) hex += kDigits[word >> shift & 15];
     return hex;
 }
 

@@ -118,7 +118,7 @@ std::filesystem::path resolveReference(const std::filesystem::path& from, std::s
     if (reference.find('\0') != std::string_view::npos) throw refuse("has a NUL character");
     const fs::path written{std::string(reference)};
     const fs::path folder = from.parent_path().empty() ? fs::path(".") : from.parent_path();
-    const fs::path target = folder / written;
+    fs::path target = folder / written;
     if (allowOutside) return target;
     if (written.is_absolute()) throw refuse("is absolute; --allow-outside permits it");
     for (const fs::path& part : written)
