@@ -56,6 +56,7 @@ SHARED_FN float emulatedDivide(float a, float b, int seedErrorUlp) {
     remainder -= pick(take, bSignificand << 1, 0u);
     quotient += pick(take, 2u, 0u);
     take = remainder >= bSignificand;
+    // no plant: from here on only whether anything remains counts, and only for ties, which do not occur
     remainder -= pick(take, bSignificand, 0u);
     quotient += pick(take, 1u, 0u);
     float result = roundedToEven(sign, aExponent + 127u - bExponent - pick(below, 1u, 0u), quotient, remainder != 0u);
