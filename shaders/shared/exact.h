@@ -86,7 +86,7 @@ SHARED_FN float emulatedRoot(float a, int seedErrorUlp) {
     rootStep(root, remainder, 2u);
     rootStep(root, remainder, 1u);
     rootStep(root, remainder, 0u);
-    float result = roundedToEven(0u, (exponentField + pick(odd, 126u, 127u)) >> 1, root, remainder != 0u);
+    float result = roundedToEven(0u, (exponentField + 127u) >> 1, root, remainder != 0u);
     return pick(exponentField == 0u, 0.0f, result);
 }
 

@@ -74,7 +74,7 @@ SHARED_FN LineWalk walkLine(ivec2 a, ivec2 b) {
     w.steep = pick(steep, 1, 0);
     w.start = pick(swapped, minorB, minorA);
     w.rise = pick(swapped, minorA, minorB) - w.start;
-    w.run = max(high - low, 1);
+    w.run = max(high - low, 1);  // no plant: a line without length has no pixel; 1 keeps its division defined
     w.first = firstPixel(low);
     // Centres below `high`: the end belongs to the next line.
     w.count = firstPixel(high) - w.first;

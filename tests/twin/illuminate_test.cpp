@@ -53,7 +53,11 @@ TEST_P(IlluminateTwin, LeavesTheSameBytes) {
     // Lights exactly at a point, one of each attenuation where there are so many.
     uint32_t at = 2;
     for (gpu::LightRecord& l : lights)
-        if (l.kind != 0 && at < std::min(total, 6u)) l.place = glm::vec3(positions[at++]);
+        if (l.kind != 0 && at < std::min(total, 6u)) {
+            const glm::vec3 p(positions[at++]);
+            const gpu::ObjectRecord& o = objects[1];
+            l.place = {gpu::rowTimesPoint(o.world0, p), gpu::rowTimesPoint(o.world1, p), gpu::rowTimesPoint(o.world2, p)};
+        }
     const gpu::ShadeParts parts{row.diffuse, row.specular, row.point};
     const gpu::IlluminatePush push{0, row.first, row.count, 1, uint32_t(lights.size())};
     std::vector<glm::vec4> want(total);

@@ -31,6 +31,7 @@ Edges edgesFor(View v, uint32_t randomOnes) {
         e.add(at(30.5, 3.5 + d), at(13.5, 20.5 + d));
         e.add(at(12.5, 12.5), at(12.5 + d, 12.5 + d));
     }
+    e.add(at(10.5, 10.5, kNear), at(30.5, 12.5, kNear));                      // in the near plane: neither end is outside
     for (int k = 0; k < 20; ++k) {
         const glm::vec3 a = at(r(0, v.width), r(0, v.height), 2), b = at(r(0, v.width), r(0, v.height), 4);
         e.add(a, b);
