@@ -4,7 +4,7 @@
 
 The order (a room may include itself and what stands before it):
 
-    shaders/shared < host < scene < passes < render < image < cli < command < tests
+    shaders/shared < host < scene < passes < render < truth, image < cli < command < tests
 
 Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
 render/ strings together. cli/ stands late and may include scene/ only: it turns words into a request and knows nothing of passes;
@@ -28,6 +28,8 @@ ROOMS = {
     "pipeline/passes": (["pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv"], ["glm", "fmt"]),
     "pipeline/render": (["pipeline/render", "pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv"],
                         ["glm", "fmt"]),
+    # Shares no function with the passes: of render/ it reads types only.
+    "pipeline/truth": (["pipeline/truth", "pipeline/scene", "pipeline/render/render.h", "pipeline/render/frame.h", "host/error.h"], ["glm", "fmt"]),
     "pipeline/image": (["pipeline/image", "pipeline/render", "pipeline/scene", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
     "pipeline/cli": (["pipeline/cli", "pipeline/scene", "host/error.h"], ["cli", "glm", "fmt"]),
     "pipeline/command": (["pipeline", "host"], ["cli", "glm", "fmt", "json"]),

@@ -223,6 +223,8 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) {
          o.progress = oneOf<ProgressMode>(v, {{"auto", ProgressMode::automatic}, {"bar", ProgressMode::bar}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}});
      }},
+    {"--with-error", "", "measure the picture against its truth in binary64: largest error and where, p99, rms, wrong primitives", "", "", kNoWords, kRender,
+     [](Options& o, const std::string&) { o.withError = true; }},
     {"--explain", "", "say which passes run, which were dropped and why; without -o nothing is drawn", "", "", kNoWords, kRender,
      [](Options& o, const std::string&) { o.explain = true; }},
     {"-q,--quiet", "", "errors only", "", "", kNoWords, kReports, [](Options& o, const std::string&) { o.quiet = true; }},

@@ -61,6 +61,7 @@ struct Options {
     bool json = false;
     std::string jsonFile;                   // empty: stdout
     ProgressMode progress = ProgressMode::automatic;
+    bool withError = false;
     bool explain = false, quiet = false;
     uint32_t verbose = 0;
     bool man = false;

@@ -2,6 +2,7 @@
 // plumb render: load once, draw each view, write each picture whole or not at all.
 #include "pipeline/cli/progress.h"
 #include "pipeline/command/command.h"
+#include "pipeline/command/error_report.h"
 #include "pipeline/command/interrupt.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
@@ -180,6 +181,10 @@ Exit renderCommand(const Options& options) {
     }
     const OutputPlan plan = outputPlanOf(options, views);
     request.planes = plan.planes;
+    if (options.withError) {
+        if (request.shading == Shading::wire) throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
+        request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;  // which change no byte of the picture
+    }
 
     const std::unique_ptr<Renderer> renderer = opening.get();
     if (!options.quiet && !renderer->choice().advice.empty()) say(options, fmt::format("plumb: {}\n{}", renderer->choice().reason, renderer->choice().advice));
@@ -221,6 +226,18 @@ Exit renderCommand(const Options& options) {
 
         Json report;
         if (options.json) report = pictureJson(*renderer, scene, sources, views[i], request, result, facts, blank);
+        double truthMs = 0;
+        if (options.withError) {
+            progress.begin("truth");
+            const Truth truth = truthOf(scene, request);
+            stopIfInterrupted();
+            progress.clear();
+            const FrameError error = errorOf(result.frame, truth, request.encoding, request.transparent);
+            say(options, errorLine(error, truth));
+            truthMs = truth.timeMs;
+            report["truth"] = truthJson(truth);
+            report["error"] = errorJson(error, true);
+        }
         const auto writeStart = Clock::now();
         if (plan.sheet) {
             cells.push_back(std::move(result.frame));
@@ -235,6 +252,7 @@ Exit renderCommand(const Options& options) {
             times["passes"] = Json::object();
             for (const PassTime& time : result.times) times["passes"][time.pass] = time.ms;
             times["render"] = result.totalMs;
+            if (options.withError) times["truth"] = truthMs;
             times["write"] = writeMs;
             times["total"] = i == 0 ? millisecondsSince(start) : millisecondsSince(pictureStart);
             report["output"] = Json::array();

@@ -115,6 +115,24 @@ class Rendering(Command):
         self.assertEqual(twin["device"]["type"], "twin")
         self.assertEqual(twin["image"]["sha256_pixels"], report["image"]["sha256_pixels"])
 
+    def test_error_is_measured_and_changes_no_byte(self):
+        plain = self.expect(0, "render", "cube.obj", "-o", "a.png", "--size", "64x48")
+        self.assertNotIn(b"error in steps", plain.stderr)
+        done = self.expect(0, "render", "cube.obj", "-o", "b.png", "--size", "64x48", "--with-error", "--json", says="error in steps of 1/255")
+        self.assertEqual(self.read("a.png"), self.read("b.png"))
+        report = json.loads(done.stdout)
+        error = report["error"]
+        self.assertEqual(report["truth"]["samples"], 1)
+        self.assertIn("truth", report["time_ms"])
+        self.assertTrue(0 < error["rms"] <= error["max"] and 0 < error["linear"]["max"], error)
+        self.assertLess(error["mean"], 1 / 255)
+        x, y = error["maxAt"]
+        self.assertTrue(0 <= x < 64 and 0 <= y < 48)
+        flat = json.loads(self.twin(0, "render", "cube.obj", "-o", "c.png", "--shading", "unlit", "--with-error", "--json").stdout)["error"]
+        self.assertGreater(flat["rms"], 10 * error["rms"])
+        self.twin(2, "render", "cube.obj", "-o", "w.png", "--shading", "wire", "--with-error", says="wire frame has no truth")
+        self.assertEqual(self.files(), ["a.png", "b.png", "c.png", "cube.obj"])
+
     def test_turntable_needs_a_placeholder_and_makes_an_array(self):
         self.twin(2, "render", "cube.obj", "--turntable", "3", "-o", "spin.png", says="{n}")
         self.assertEqual(self.files(), ["cube.obj"])

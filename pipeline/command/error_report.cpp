@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/command/error_report.h"
+
+#include <fmt/format.h>
+
+namespace plumb {
+namespace {
+
+constexpr double kSteps = 255;
+
+Json figuresJson(const ErrorFigures& f, double unit) {
+    return {{"max", f.max / unit},
+            {"maxAt", {f.x, f.y}},
+            {"mean", f.mean / unit},
+            {"rms", f.rms / unit},
+            {"p99", f.p99 / unit}};
+}
+
+}  // namespace
+
+Json truthJson(const Truth& truth) {
+    return {{"kind", "binary64 oracle"},
+            {"samples", truth.samples},
+            {"redone", truth.redone},
+            {"timeMs", truth.timeMs},
+            {"description",
+             "Phong at every sample in binary64: perspective, exact specular power, vertices not snapped; decisions "
+             "that binary64 leaves open are made "
+             "without rounding"}};
+}
+
+Json errorJson(const FrameError& e, bool sampledAlike) {
+    Json json = figuresJson(e.picture, kSteps);
+    json["pixels"] = e.pixels;
+    json["nan"] = 0;  // a NaN fails before this
+    json["wrongPrimitive"] = sampledAlike ? Json(e.wrongPrimitive) : Json();
+    json["wrongPrimitiveShare"] = sampledAlike ? Json(e.wrongShare()) : Json();
+    json["wrongPrimitiveAt"] = sampledAlike && e.wrongPrimitive != 0 ? Json({e.wrongX, e.wrongY}) : Json();
+    json["depthRelative"] = sampledAlike ? Json(e.depthRelative) : Json();
+    json["unrounded"] = figuresJson(e.unrounded, kSteps);
+    json["linear"] = figuresJson(e.linear, 1);
+    json["rounding"] = Json();  // the contracts are not re-read in double yet (docs/measure.md)
+    return json;
+}
+
+std::string errorLine(const FrameError& e, const Truth& truth) {
+    return fmt::format(
+        "error in steps of 1/255 over {} pixels: max {:.3f} at ({}, {}), p99 {:.3f}, rms {:.3f}; wrong primitive in {} "
+        "({:.3f} %); truth in {:.0f} ms, {} decisions "
+        "redone exactly",
+        e.pixels, e.picture.max, e.picture.x, e.picture.y, e.picture.p99, e.picture.rms, e.wrongPrimitive,
+        100 * e.wrongShare(), truth.timeMs, truth.redone);
+}
+
+}  // namespace plumb

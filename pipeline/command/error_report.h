@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// Error figures as reports give them. Shares of full scale: 1 is 255 steps.
+#pragma once
+
+#include "pipeline/command/command.h"
+#include "pipeline/truth/frame_error.h"
+
+namespace plumb {
+
+Json truthJson(const Truth&);
+// `sampledAlike`: the picture's samples are the truth's, so that visible primitives and depths can be compared.
+Json errorJson(const FrameError&, bool sampledAlike);
+// One line for people: max and where, p99, rms, wrong primitives.
+std::string errorLine(const FrameError&, const Truth&);
+
+}  // namespace plumb

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Sums, differences and products of binary64 numbers without any rounding: integers of any length times a power of two.
+// Slow; for the few decisions that binary64 with its bound leaves open. There is no bound on it, because there is no error.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace plumb::truth {
+
+class Exact {
+public:
+    Exact() = default;    // 0
+    Exact(double value);  // NOLINT(google-explicit-constructor): a double is one of these; finite
+
+    friend Exact operator+(const Exact& a, const Exact& b);
+    friend Exact operator-(const Exact& a, const Exact& b) { return a + b.negated(); }
+    friend Exact operator*(const Exact& a, const Exact& b);
+    Exact negated() const;
+    int sign() const { return limbs_.empty() ? 0 : negative_ ? -1 : 1; }
+    double rounded() const;  // to a few units in the last place; for tests and messages
+
+private:
+    static int compareMagnitude(const Exact& a, const Exact& b);
+    uint32_t limbAt(int64_t place) const;  // of 2^(32 place)
+    void trim();
+
+    bool negative_ = false;
+    int64_t lowest_ = 0;           // place of limbs_[0]
+    std::vector<uint32_t> limbs_;  // empty: 0; neither end is 0
+};
+
+}  // namespace plumb::truth

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// How far a picture is from the truth.
+#pragma once
+
+#include "pipeline/truth/truth.h"
+
+#include <string>
+
+namespace plumb {
+
+// Over the pixels in which the picture or the truth shows something. A pixel's error is the largest of its channels'; the root mean square is over
+// channels.
+struct ErrorFigures {
+    double max = 0, mean = 0, rms = 0, p99 = 0;
+    uint32_t x = 0, y = 0;  // where the largest is first met
+};
+
+struct FrameError {
+    uint64_t pixels = 0;  // that show something in either
+    // Steps of the sRGB code (1/255 of full scale), whichever curve the picture is stored with, so that pictures with either curve compare.
+    ErrorFigures
+        picture;  // the bytes as they are stored, rounding to bytes included; alpha is a channel where it is stored
+    ErrorFigures
+        unrounded;  // the float32 colour through the same curve, before it becomes a byte; 0 pixels without kPlaneLinear
+    ErrorFigures linear;          // the float32 colour in linear light, not clamped
+    double depthRelative = 0;     // largest |w - truth| / truth where the same primitive is seen (kPlaneDepth)
+    uint64_t wrongPrimitive = 0;  // pixels in which another face is seen, or one where nothing is, or none where one is
+    uint32_t wrongX = 0, wrongY = 0;  // the first of them
+    double wrongShare() const { return pixels == 0 ? 0 : double(wrongPrimitive) / double(pixels); }
+    std::vector<float> perPixel;  // of `picture`, in shares of full scale (1 = 255 steps), one a pixel
+};
+
+// The frame needs kPlaneLinear, kPlaneDepth, kPlaneObject and kPlanePrimitive. Its samples need not be the truth's. A NaN or infinity in a drawn
+// pixel fails before any figure is taken: Error(failed), naming the first place.
+FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bool transparent);
+
+}  // namespace plumb

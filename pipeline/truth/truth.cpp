@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/truth/truth.h"
+
+#include "host/error.h"
+#include "pipeline/truth/illumination.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+namespace plumb {
+
+namespace {
+
+using truth::Geometry;
+using truth::Illumination;
+using truth::Judge;
+using truth::Pinhole;
+using truth::Triangle;
+
+constexpr uint32_t kBandRows = 8;  // pixels
+
+// One band of pixel rows: what each sample sees, then its colour.
+class Band {
+public:
+    Band(const Scene& scene, const RenderRequest& request, const Geometry& geometry, const Illumination& illumination,
+         uint32_t side, Truth& out)
+        : scene_(scene),
+          request_(request),
+          geometry_(geometry),
+          illumination_(illumination),
+          judge_(geometry),
+          side_(side),
+          out_(out) {}
+
+    void draw(uint32_t firstRow, uint32_t rows) {
+        const int width = int(request_.width * side_), first = int(firstRow * side_),
+                  last = int((firstRow + rows) * side_) - 1;
+        seen_.assign(size_t(width) * size_t(last - first + 1), kNone);
+        const std::vector<Triangle>& triangles = geometry_.triangles();
+        for (uint32_t t = 0; t < triangles.size(); ++t)
+            for (int j = std::max(first, triangles[t].firstRow); j <= std::min(last, triangles[t].lastRow); ++j)
+                for (int i = triangles[t].firstColumn; i <= triangles[t].lastColumn; ++i) {
+                    uint32_t& best = seen_[size_t(j - first) * size_t(width) + size_t(i)];
+                    if (!judge_.hits(t, x(i), y(j))) continue;
+                    if (best == kNone || judge_.nearer(t, best, x(i), y(j))) best = t;
+                }
+        for (uint32_t row = 0; row < rows; ++row)
+            for (uint32_t column = 0; column < request_.width; ++column) resolve(column, firstRow + row, first);
+    }
+    uint64_t redone() const { return judge_.redone(); }
+
+private:
+    double x(int i) const { return i + 0.5 - geometry_.pinhole().width / 2; }
+    double y(int j) const { return j + 0.5 - geometry_.pinhole().height / 2; }
+
+    void resolve(uint32_t column, uint32_t row, int first) {
+        const size_t at = size_t(row) * request_.width + column;
+        glm::dvec3 sum(0);
+        uint32_t covered = 0;
+        for (uint32_t k = 0; k < side_ * side_; ++k) {
+            const int i = int(column * side_ + k % side_), j = int(row * side_ + k / side_);
+            const uint32_t t = seen_[size_t(j - first) * request_.width * side_ + size_t(i)];
+            if (t == kNone) {
+                if (!request_.transparent) sum += glm::dvec3(request_.background);
+                continue;
+            }
+            ++covered;
+            const Illumination::Seen seen = illumination_.at(t, x(i), y(j));
+            sum += seen.colour;
+            if (k % side_ != side_ / 2 || k / side_ != side_ / 2) continue;
+            const Triangle& triangle = geometry_.triangles()[t];
+            out_.depth[at] = seen.w;
+            out_.object[at] = triangle.object;
+            out_.primitive[at] = scene_.meshes[scene_.objects[triangle.object].mesh].triangles[triangle.triangle].face;
+        }
+        const double count = request_.transparent ? std::max(covered, 1u) : side_ * side_;
+        for (int c = 0; c < 3; ++c) out_.linear[3 * at + size_t(c)] = sum[c] / count;
+        out_.alpha[at] = double(covered) / (side_ * side_);
+    }
+
+    const Scene& scene_;
+    const RenderRequest& request_;
+    const Geometry& geometry_;
+    const Illumination& illumination_;
+    Judge judge_;
+    const uint32_t side_;
+    Truth& out_;
+    std::vector<uint32_t> seen_;  // of each sample: index into geometry_.triangles()
+};
+
+}  // namespace
+
+double srgbCode(double linear) {
+    const double x = std::clamp(linear, 0.0, 1.0);
+    return 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
+}
+
+Truth truthOf(const Scene& scene, const RenderRequest& request) {
+    PLUMB_ASSERT(scene.camera.has_value());
+    if (request.shading == Shading::wire)
+        throw usageError("a wire frame has no truth: its lines are a drawing, not the picture of a surface");
+    if (request.samples != 1 && request.samples != 4 && request.samples != 16)
+        throw usageError("--samples takes 1, 4 or 16");
+    const auto begin = std::chrono::steady_clock::now();
+    const uint32_t side = request.samples == 16 ? 4 : request.samples == 4 ? 2 : 1;
+    Truth out;
+    out.width = request.width;
+    out.height = request.height;
+    out.samples = request.samples;
+    const size_t pixels = size_t(out.width) * out.height;
+    out.linear.assign(3 * pixels, 0.0);
+    out.alpha.assign(pixels, 0.0);
+    out.depth.assign(pixels, INFINITY);
+    out.object.assign(pixels, kNone);
+    out.primitive.assign(pixels, kNone);
+    const Geometry geometry(scene, Pinhole(*scene.camera, out.width, out.height, side));
+    const Illumination illumination(scene, geometry);
+
+    const uint32_t bands = (out.height + kBandRows - 1) / kBandRows;
+    std::atomic<uint32_t> next{0}, finished{0};
+    std::atomic<uint64_t> redone{geometry.redone()};
+    std::atomic<bool> stop{false};
+    std::exception_ptr failure;
+    std::mutex failing;
+    const auto work = [&](bool reports) {
+        try {
+            Band band(scene, request, geometry, illumination, side, out);
+            for (uint32_t b; !stop && (b = next.fetch_add(1)) < bands;) {
+                band.draw(b * kBandRows, std::min(kBandRows, out.height - b * kBandRows));
+                const uint32_t done = finished.fetch_add(1) + 1;
+                if (reports && request.onProgress && !request.onProgress(double(done) / bands))
+                    throw Error(Exit::interrupted, "interrupted");
+            }
+            redone += band.redone();
+        } catch (...) {
+            const std::lock_guard lock(failing);
+            if (!failure) failure = std::current_exception();
+            stop = true;
+        }
+    };
+    {
+        const uint32_t threads =
+            std::min(bands, request.threads ? request.threads : std::max(1u, std::thread::hardware_concurrency()));
+        std::vector<std::jthread> pool;
+        for (uint32_t i = 1; i < threads; ++i) pool.emplace_back(work, false);
+        work(true);
+    }
+    if (failure) std::rethrow_exception(failure);
+    out.redone = redone;
+    out.timeMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    return out;
+}
+
+}  // namespace plumb
