@@ -4,7 +4,7 @@
 
 The order (a room may include itself and what stands before it):
 
-    shaders/shared < host < scene < passes < render < truth, image < cli < command < tests
+    shaders/shared < host < transform < scene < passes < render < truth, image < cli < command < tests
 
 Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
 render/ strings together. cli/ stands late and may include scene/ only: it turns words into a request and knows nothing of passes;
@@ -24,9 +24,10 @@ ROOMS = {
     "shaders/shared": (["shaders/shared"], []),
     "shaders": (["shaders/shared", "shaders/*.glsl"], []),  # .glsl: text of several kernels that C++ never reads
     "host": (["host", "shaders/shared/status.h", "shaders/shared/exact.h", "shaders/shared/selftest.h", "spirv"], ["vulkan", "fmt"]),
-    "pipeline/scene": (["pipeline/scene", "host/error.h"], ["glm", "fmt", "json", "toml"]),
-    "pipeline/passes": (["pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv"], ["glm", "fmt"]),
-    "pipeline/render": (["pipeline/render", "pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv"],
+    "pipeline/transform": (["pipeline/transform"], ["glm", "fmt"]),
+    "pipeline/scene": (["pipeline/scene", "pipeline/transform", "host/error.h"], ["glm", "fmt", "json", "toml"]),
+    "pipeline/passes": (["pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv"], ["glm", "fmt"]),
+    "pipeline/render": (["pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv"],
                         ["glm", "fmt"]),
     # Shares no function with the passes: of render/ it reads types only.
     "pipeline/truth": (["pipeline/truth", "pipeline/scene", "pipeline/render/render.h", "pipeline/render/frame.h", "host/error.h"], ["glm", "fmt"]),

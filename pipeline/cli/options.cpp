@@ -18,8 +18,8 @@ namespace {
 struct Refused {};
 
 constexpr uint32_t kDraw = kRender | kVerify;
-constexpr uint32_t kReads = kRender | kVerify | kInfo;
-constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo;
+constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix;
+constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix;
 constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices;
 constexpr uint32_t kLargestSide = 65536;
 
@@ -56,6 +56,14 @@ glm::dvec3 vector(const std::string& text) {
     const auto parts = split(text, ',');
     if (parts.size() != 3) throw Refused{};
     return {real(parts[0]), real(parts[1]), real(parts[2])};
+}
+
+void addPoint(Options& o, const std::string& text) {
+    const auto parts = split(text, ',');
+    if (parts.size() != 2 && parts.size() != 3) throw Refused{};
+    o.points.emplace_back(real(parts[0]), real(parts[1]), parts.size() == 3 ? real(parts[2]) : 0);
+    o.planePoints |= parts.size() == 2;
+    o.spacePoints |= parts.size() == 3;
 }
 
 void setSize(Options& o, const std::string& text) {
@@ -195,7 +203,7 @@ const std::vector<Flag> kFlags = {
          if (v.empty()) throw Refused{};
          o.requireDevice = v;
      }},
-    {"--threads", "N", "threads of the CPU twin; changes no byte", "all", "a whole number, 0 (all) to 4096", kNoWords, kDraw,
+    {"--threads", "N", "threads of the CPU twin; changes no byte", "all", "a whole number, 0 (all) to 4096", kNoWords, kDraw | kMatrix,
      [](Options& o, const std::string& v) { o.threads = number<uint32_t>(v, 0, 4096); }},
     {"--memory", "BYTES", "budget of device memory; K, M, G are powers of 1024", "half of the free memory at most", "a whole number with K, M or G, at least 1M", kNoWords,
      kUsesDevice,
@@ -229,6 +237,16 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string&) { o.explain = true; }},
     {"-q,--quiet", "", "errors only", "", "", kNoWords, kReports, [](Options& o, const std::string&) { o.quiet = true; }},
     {"-v,--verbose", "", "say more: the device and its reason, times of the passes", "", "", kNoWords, kReports, [](Options& o, const std::string&) { ++o.verbose; }, true},
+    {"--object", "NAME", "the object of the scene, by name or number", "all", "a name or a number", kNoWords, kMatrix, [](Options& o, const std::string& v) { o.object = v; }},
+    {"--point", "X,Y[,Z]", "carry this point through the chain and print it after each step", "", "three finite numbers by commas, or two with --dimensions 2", kNoWords, kMatrix, addPoint, true},
+    {"--dimensions", "N", "steps in the plane (3x3) or in space (4x4)", "3", "2, 3", {"2", "3"}, kMatrix,
+     [](Options& o, const std::string& v) { o.dimensions = oneOf<int>(v, {{"2", 2}, {"3", 3}}); }},
+    {"--notation", "FORM", "matrices for column vectors (matrix * point) or for row vectors (point * matrix)", "column", "column, row", {"column", "row"}, kMatrix,
+     [](Options& o, const std::string& v) { o.rowNotation = oneOf<bool>(v, {{"column", false}, {"row", true}}); }},
+    {"--reverse-z", "", "the same transformation in the coordinates of the other handedness", "", "", kNoWords, kMatrix, [](Options& o, const std::string&) { o.zReversed = true; }},
+    {"--inverse", "", "print the inverse of the composite, too", "", "", kNoWords, kMatrix, [](Options& o, const std::string&) { o.inverse = true; }},
+    {"--vertices", "N", "transform so many vertices step by step, by the composite and on several threads; count and time it", "", "a whole number, 1 to 100000000", kNoWords, kMatrix,
+     [](Options& o, const std::string& v) { o.vertices = number<uint64_t>(v, 1, 100000000); }},
     {"--man", "", "print the man page", "", "", kNoWords, kHelp, [](Options& o, const std::string&) { o.man = true; }},
     {"--completion", "SHELL", "print the completion script of a shell", "", "bash, zsh, fish", {"bash", "zsh", "fish"}, kHelp,
      [](Options& o, const std::string& v) {
@@ -262,6 +280,13 @@ const std::vector<CommandRow> kCommands = {
      {{{"plumb info mug.obj", "what is in the file"},
        {"plumb info --json *.stl", "one JSON object a file"},
        {"plumb info --strict model.glb", "exit 3 when the file asks for what is not drawn"}}}},
+    {kMatrix, "matrix", "STEP...|SCENE", "print a chain of transforms",
+     "Prints each step of a chain of transforms, the product so far, the composite, and the same chain as a tree of products with its depth. A step is what=value with further parts after "
+     "colons: translate=X,Y,Z; scale=S or X,Y,Z; rotate_x, rotate_y, rotate_z=DEGREES, these with :about=X,Y,Z; rotate=DEGREES:axis=X,Y,Z with :through=X,Y,Z; rotate=DEGREES:from=X,Y,Z:to=X,Y,Z "
+     "about a line; matrix=16 numbers. With --dimensions 2: translate, scale, rotate, matrix=9 numbers. Or the objects of a scene. Needs no device.",
+     {{{"plumb matrix rotate=90:from=3,3,5:to=6,6.4641,7 --point 4,3,5", "the seven matrices of a rotation about a line, and where a point goes"},
+       {"plumb matrix --dimensions 2 rotate=90:about=3,2 --notation row", "an in-place rotation of the plane, as matrices for row vectors"},
+       {"plumb matrix scene.toml --object mug --json", "the chain of one object for programs"}}}},
     {kHelp, "help", "[COMMAND]", "explain a command",
      "Prints the flags of a command with examples, the man page, or the completions of a shell.",
      {{{"plumb help render", "flags and examples of one command"},
@@ -270,7 +295,7 @@ const std::vector<CommandRow> kCommands = {
 };
 
 // Reserved by the design for later versions, so that nothing else takes the words.
-constexpr std::array kLater = {"diff", "measure", "plan", "bench", "stress", "matrix", "view", "merge", "worker", "report"};
+constexpr std::array kLater = {"diff", "measure", "plan", "bench", "stress", "view", "merge", "worker", "report"};
 
 constexpr std::array<ExitRow, 10> kExitCodes = {{{0, "done, and every gate held"},
                                                  {1, "compared, and different"},
@@ -330,6 +355,8 @@ void checkTogether(const Options& o) {
     if (o.quiet && o.verbose != 0) throw usageError("-q and -v exclude each other");
     if (o.turntable != 0 && o.views.size() > 1) throw usageError("--turntable turns one view: give --view once at most");
     if (!o.views.empty() && (o.eye || o.at)) throw usageError("--view and --eye/--at exclude each other");
+    if (o.dimensions == 2 && o.spacePoints) throw usageError("--point: with --dimensions 2 a point has two numbers");
+    if (o.dimensions == 3 && o.planePoints) throw usageError("--point: a point has three numbers, unless with --dimensions 2");
     if (o.command == kRender && o.json && o.jsonFile.empty() && o.output == "-")
         throw usageError("--json and -o - both want standard output: use --json=FILE or -o FILE");
 }

@@ -15,7 +15,7 @@
 
 namespace plumb {
 
-enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kEveryCommand = 31 };
+enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kMatrix = 64, kEveryCommand = 31 | kMatrix };
 
 enum class ProgressMode { automatic, bar, plain, json, none };
 enum class Aov { colour, linear, depth, distance, normal, objectId, primitiveId };
@@ -64,6 +64,14 @@ struct Options {
     bool withError = false;
     bool explain = false, quiet = false;
     uint32_t verbose = 0;
+
+    std::string object;                     // matrix: name or number; empty: all
+    std::vector<glm::dvec3> points;         // matrix: carried through the chain; in the plane z is 0
+    bool planePoints = false, spacePoints = false;  // with two and with three numbers
+    int dimensions = 3;                     // matrix: 2 or 3
+    bool rowNotation = false, zReversed = false, inverse = false;
+    uint64_t vertices = 0;                  // matrix: to be transformed, counted and timed
+
     bool man = false;
     std::string completion;                 // bash, zsh, fish
 };

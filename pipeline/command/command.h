@@ -15,6 +15,7 @@ Exit renderCommand(const Options&);
 Exit verifyCommand(const Options&);
 Exit devicesCommand(const Options&);
 Exit infoCommand(const Options&);
+Exit matrixCommand(const Options&);
 Exit helpCommand(const Options&);
 
 // What `--version` prints, and the "tool" of every report.

@@ -27,6 +27,7 @@ plumb::Exit run(const plumb::Options& options) {
         case kVerify: return verifyCommand(options);
         case kDevices: return devicesCommand(options);
         case kInfo: return infoCommand(options);
+        case kMatrix: return matrixCommand(options);
         default: return helpCommand(options);
     }
 }

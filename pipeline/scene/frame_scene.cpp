@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A camera and lights for scenes that state none.
-#include "pipeline/scene/degrees.h"
+#include "pipeline/transform/degrees.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 

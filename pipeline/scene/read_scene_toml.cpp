@@ -4,9 +4,9 @@
 // points outward there just as for counter-clockwise lists in a right-handed world, so finishMesh serves both.
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/affine.h"
-#include "pipeline/scene/degrees.h"
 #include "pipeline/scene/sha256.h"
 #include "pipeline/scene/text.h"
+#include "pipeline/transform/steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,39 +39,6 @@ float linearOfSrgb(int level) {
     double root = 1;
     for (int i = 0; i < 32; ++i) root = (4 * root + v / (root * root * root * root)) / 5;
     return float(v * v * root * root);
-}
-
-dmat4 fromRows(const double (&rows)[16]) {
-    dmat4 m;
-    for (int row = 0; row < 4; ++row)
-        for (int column = 0; column < 4; ++column) m[column][row] = rows[row * 4 + column];
-    return m;
-}
-
-dmat4 translation(const dvec3& t) { return fromRows({1, 0, 0, t.x, 0, 1, 0, t.y, 0, 0, 1, t.z, 0, 0, 0, 1}); }
-dmat4 scaling(const dvec3& s) { return fromRows({s.x, 0, 0, 0, 0, s.y, 0, 0, 0, 0, s.z, 0, 0, 0, 0, 1}); }
-
-// The notes' sections 6.3 and 8.3.3 to 8.3.5: Z takes +X to +Y, Y takes +Z to +X, X takes +Y to +Z.
-dmat4 rotationX(double degrees) {
-    const auto [s, c] = sineCosineOfDegrees(degrees);
-    return fromRows({1, 0, 0, 0, 0, c, -s, 0, 0, s, c, 0, 0, 0, 0, 1});
-}
-dmat4 rotationY(double degrees) {
-    const auto [s, c] = sineCosineOfDegrees(degrees);
-    return fromRows({c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0, 0, 0, 0, 1});
-}
-dmat4 rotationZ(double degrees) {
-    const auto [s, c] = sineCosineOfDegrees(degrees);
-    return fromRows({c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
-}
-// Rodrigues about a unit axis through the origin; for the coordinate axes it is the three above.
-dmat4 rotation(const dvec3& axis, double degrees) {
-    const auto [s, c] = sineCosineOfDegrees(degrees);
-    const double v = 1 - c, x = axis.x, y = axis.y, z = axis.z;
-    return fromRows({c + x * x * v, x * y * v - z * s, x * z * v + y * s, 0,
-                     y * x * v + z * s, c + y * y * v, y * z * v - x * s, 0,
-                     z * x * v - y * s, z * y * v + x * s, c + z * z * v, 0,
-                     0, 0, 0, 1});
 }
 
 void paint(TriangleMesh& mesh, uint32_t material) {
@@ -177,8 +144,14 @@ private:
     void readMesh(const toml::table& table);
     uint32_t readInlineMesh(const toml::table& table, const std::string& name, const LoadOptions& options);
     void readObject(const toml::table& table, int parent, int depth);
-    dmat4 readTransforms(const toml::node& node, const std::string& field) const;
-    dmat4 readTransform(const toml::table& table, const std::string& field) const;
+    struct Placement {
+        dmat4 matrix{1.0};
+        std::vector<Step3> steps;    // elementary, in order of application
+    };
+    Placement readTransforms(const toml::node& node, const std::string& field, uint32_t mesh) const;
+    Placement readTransform(const toml::table& table, const std::string& field, uint32_t mesh, const dmat4& before) const;
+    Placement readRotate(const toml::node& node, const std::string& field) const;
+    dvec3 centreOf(const toml::node& about, const std::string& field, uint32_t mesh, const dmat4& before) const;
     uint32_t materialNamed(const toml::node& node, const std::string& field) const;
     static std::string tooDeep() { return fmt::format("objects are nested deeper than {}", kMaxDepth); }
     void linkParents();
@@ -191,7 +164,8 @@ private:
         int parent = -1;
         uint32_t mesh = kNone;       // into scene_.meshes; kNone: a group
         uint32_t material = kNone;
-        dmat4 parentFromNode{1.0}, worldFromNode{1.0};
+        Placement parentFromNode;
+        dmat4 worldFromNode{1.0};
         int depth = 0;
         bool placed = false;
     };
@@ -589,40 +563,70 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
     return index;
 }
 
-dmat4 SceneFile::readTransform(const toml::table& table, const std::string& field) const {
+// About an axis through a point (Rodrigues), or about the line through two points (the notes' seven matrices).
+SceneFile::Placement SceneFile::readRotate(const toml::node& node, const std::string& field) const {
+    const toml::table& rotate = tableOf(node, field);
+    allowKeys(rotate, field, {"axis", "degrees", "through", "from", "to"});
+    const double degrees = numberOf(required(rotate, "degrees", field), field + ".degrees");
+    if (const auto* fromNode = rotate.get("from")) {
+        for (const char* key : {"axis", "through"})
+            if (const auto* other = rotate.get(key)) refuse(*other, fmt::format("{0}.{1} beside {0}.from", field, key));
+        const dvec3 from = vectorOf(*fromNode, field + ".from");
+        const toml::node& toNode = required(rotate, "to", field);
+        Placement placement{dmat4(1.0), lineSteps(from, vectorOf(toNode, field + ".to"), degrees)};
+        if (placement.steps.empty()) refuse(toNode, field + ".to is the same point as from: two equal points have no line");
+        for (const Step3& step : placement.steps) placement.matrix = step.matrix * placement.matrix;
+        return placement;
+    }
+    if (const auto* to = rotate.get("to")) refuse(*to, fmt::format("{0}.to without {0}.from", field));
+    const dvec3 axis = unitVector(axisOf(required(rotate, "axis", field), field + ".axis"));
+    const Step3 step = rotateStep(axis, degrees);
+    const auto* through = rotate.get("through");
+    if (!through) return {step.matrix, {step}};
+    const dvec3 point = vectorOf(*through, field + ".through");
+    return {about(point, step.matrix), aboutSteps(point, step)};
+}
+
+// Where `about` is: a point, or "centre", the visual centre of the object's mesh as the transforms before this one leave it.
+dvec3 SceneFile::centreOf(const toml::node& about, const std::string& field, uint32_t mesh, const dmat4& before) const {
+    if (!about.is_string()) return vectorOf(about, field);
+    const std::string word = stringOf(about, field);
+    if (word != "centre" && word != "center") refuse(about, fmt::format("{} is '{}', not a point or \"centre\"", field, printable(word, 40)));
+    if (mesh == kNone) refuse(about, field + " is the centre of an object without a mesh");
+    const std::vector<glm::vec3>& positions = scene_.meshes[mesh].positions;
+    if (positions.empty()) refuse(about, field + " is the centre of a mesh without vertices");
+    std::vector<dvec3> points(positions.begin(), positions.end());
+    for (dvec3& p : points) p = transformed(before, p);
+    return visualCentre(std::span<const dvec3>(points));
+}
+
+SceneFile::Placement SceneFile::readTransform(const toml::table& table, const std::string& field, uint32_t mesh, const dmat4& before) const {
     allowKeys(table, field, {"translate", "rotate_x", "rotate_y", "rotate_z", "rotate", "scale", "matrix", "about"});
-    const toml::node* about = table.get("about");
-    if (table.size() != (about ? 2u : 1u))
+    const toml::node* aboutNode = table.get("about");
+    if (table.size() != (aboutNode ? 2u : 1u))
         refuse(table, fmt::format("{} holds {} transforms; write one a table, in order of application", field,
-                                  table.size() - (about ? 1 : 0)));
-    dmat4 m(1.0);
+                                  table.size() - (aboutNode ? 1 : 0)));
+    Step3 step;
     bool canBeAbout = true;
     if (const auto* node = table.get("translate")) {
-        m = translation(vectorOf(*node, field + ".translate"));
+        step = translateStep(vectorOf(*node, field + ".translate"));
         canBeAbout = false;
     } else if (const auto* node = table.get("rotate_x")) {
-        m = rotationX(numberOf(*node, field + ".rotate_x"));
+        step = rotateXStep(numberOf(*node, field + ".rotate_x"));
     } else if (const auto* node = table.get("rotate_y")) {
-        m = rotationY(numberOf(*node, field + ".rotate_y"));
+        step = rotateYStep(numberOf(*node, field + ".rotate_y"));
     } else if (const auto* node = table.get("rotate_z")) {
-        m = rotationZ(numberOf(*node, field + ".rotate_z"));
+        step = rotateZStep(numberOf(*node, field + ".rotate_z"));
     } else if (const auto* node = table.get("rotate")) {
-        const toml::table& rotate = tableOf(*node, field + ".rotate");
-        allowKeys(rotate, field + ".rotate", {"axis", "degrees", "through"});
-        const dvec3 axis = unitVector(axisOf(required(rotate, "axis", field + ".rotate"), field + ".rotate.axis"));
-        m = rotation(axis, numberOf(required(rotate, "degrees", field + ".rotate"), field + ".rotate.degrees"));
-        if (const auto* through = rotate.get("through")) {
-            const dvec3 point = vectorOf(*through, field + ".rotate.through");
-            m = translation(point) * m * translation(-point);
-        }
-        canBeAbout = false;
+        if (aboutNode) refuse(*aboutNode, field + ".about goes with rotate_x, rotate_y, rotate_z and scale");
+        return readRotate(*node, field + ".rotate");
     } else if (const auto* node = table.get("scale")) {
         const dvec3 factors = node->is_array()
                                   ? vectorOf(*node, field + ".scale")
                                   : dvec3(numberOf(*node, field + ".scale", -kMaxCoordinate, kMaxCoordinate));
         if (factors.x == 0 || factors.y == 0 || factors.z == 0)
             refuse(*node, field + ".scale is 0: normals need its inverse");
-        m = scaling(factors);
+        step = scaleStep(factors);
     } else {
         const toml::node& matrix = *table.get("matrix");
         const std::string name = field + ".matrix";
@@ -633,30 +637,30 @@ dmat4 SceneFile::readTransform(const toml::table& table, const std::string& fiel
             rows[i] = numberOf(entries[i], fmt::format("{}[{}]", name, i), -kMaxCoordinate, kMaxCoordinate);
         if (rows[12] != 0 || rows[13] != 0 || rows[14] != 0 || rows[15] != 1)
             refuse(matrix, name + ": the last row is not 0, 0, 0, 1 (rows of a matrix for column vectors)");
-        m = fromRows(rows);
-        if (!hasInverse(m)) refuse(matrix, name + " has no inverse");
+        step = matrixStep(fromRows(rows));
+        if (!hasInverse(step.matrix)) refuse(matrix, name + " has no inverse");
         canBeAbout = false;
     }
-    if (about) {
-        if (!canBeAbout) refuse(*about, field + ".about goes with rotate_x, rotate_y, rotate_z and scale");
-        const dvec3 point = vectorOf(*about, field + ".about");
-        m = translation(point) * m * translation(-point);
-    }
-    return m;
+    if (!aboutNode) return {step.matrix, {step}};
+    if (!canBeAbout) refuse(*aboutNode, field + ".about goes with rotate_x, rotate_y, rotate_z and scale");
+    const dvec3 point = centreOf(*aboutNode, field + ".about", mesh, before);
+    return {about(point, step.matrix), aboutSteps(point, step)};
 }
 
 // In order of application: the first of the list acts on the object first.
-dmat4 SceneFile::readTransforms(const toml::node& node, const std::string& field) const {
-    dmat4 m(1.0);
+SceneFile::Placement SceneFile::readTransforms(const toml::node& node, const std::string& field, uint32_t mesh) const {
+    Placement all;
     size_t i = 0;
     for (const toml::node& element : arrayOf(node, field)) {
         const std::string name = fmt::format("{}[{}]", field, i++);
         const toml::table& table = tableOf(element, name);
         if (table.empty() || (table.size() == 1 && table.contains("about"))) refuse(element, name + " holds no transform");
-        m = readTransform(table, name) * m;
-        if (!entriesUsable(m)) refuse(element, name + ": the matrix so far has entries above 2^100");
+        const Placement next = readTransform(table, name, mesh, all.matrix);
+        all.matrix = next.matrix * all.matrix;
+        all.steps.insert(all.steps.end(), next.steps.begin(), next.steps.end());
+        if (!entriesUsable(all.matrix)) refuse(element, name + ": the matrix so far has entries above 2^100");
     }
-    return m;
+    return all;
 }
 
 void SceneFile::readObject(const toml::table& table, int parent, int depth) {
@@ -683,7 +687,7 @@ void SceneFile::readObject(const toml::table& table, int parent, int depth) {
         if (node.mesh == kNone) refuse(*materialNode, "object.material without object.mesh");
         node.material = materialNamed(*materialNode, "object.material");
     }
-    if (const auto* transform = table.get("transform")) node.parentFromNode = readTransforms(*transform, "object.transform");
+    if (const auto* transform = table.get("transform")) node.parentFromNode = readTransforms(*transform, "object.transform", node.mesh);
     if (const auto* parentNode = table.get("parent")) {
         if (parent >= 0) refuse(*parentNode, "object.parent of a nested child: it has a parent already");
         node.parentNamed = parentNode;
@@ -730,8 +734,8 @@ void SceneFile::placeObjects() {
         }
         for (auto n = chain.rbegin(); n != chain.rend(); ++n) {
             Node& node = nodes_[size_t(*n)];
-            node.worldFromNode = node.parent < 0 ? node.parentFromNode
-                                                 : nodes_[size_t(node.parent)].worldFromNode * node.parentFromNode;
+            node.worldFromNode = node.parent < 0 ? node.parentFromNode.matrix
+                                                 : nodes_[size_t(node.parent)].worldFromNode * node.parentFromNode.matrix;
             if (!entriesUsable(node.worldFromNode))
                 refuse(*node.table, "object.transform: the world matrix has entries above 2^100");
             if (node.mesh != kNone && !hasInverse(node.worldFromNode))
@@ -747,6 +751,10 @@ void SceneFile::placeObjects() {
         object.name = node.name;
         object.mesh = node.material == kNone ? node.mesh : meshWithMaterial(node.mesh, node.material, *node.table);
         object.worldFromObject = node.worldFromNode;
+        for (const Node* n = &node;; n = &nodes_[size_t(n->parent)]) {  // its own steps act first, then its parent's
+            object.chain.insert(object.chain.end(), n->parentFromNode.steps.begin(), n->parentFromNode.steps.end());
+            if (n->parent < 0) break;
+        }
         scene_.objects.push_back(std::move(object));
     }
 }

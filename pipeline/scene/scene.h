@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/scene/mesh.h"
+#include "pipeline/transform/step.h"
 
 #include <optional>
 
@@ -16,6 +17,7 @@ struct Object {
     std::string name;
     uint32_t mesh = 0;
     glm::dmat4 worldFromObject{1.0};  // column vectors: world = worldFromObject * object
+    std::vector<Step<glm::dmat4>> chain;  // its elementary steps in order of application, parents' included; scene.toml only
 };
 
 struct Light {

@@ -89,7 +89,7 @@ TEST(Options, AreRefusedWithAReason) {
         {"plan x", "not in this version"},
         {"bench", "not in this version"},
         {"stress", "not in this version"},
-        {"matrix", "not in this version"},
+        {"matrix", "needs STEP...|SCENE"},
         {"view x", "not in this version"},
         {"merge x", "not in this version"},
         {"worker", "not in this version"},

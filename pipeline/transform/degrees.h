@@ -23,10 +23,14 @@ inline SineCosine sineCosineOfDegrees(double degrees) {
     }
     const double s = x - x * sineTail, c = 1 - cosineTail;
     switch (unsigned(quadrant) & 3u) {
-        case 0: return {s, c};
-        case 1: return {c, -s};
-        case 2: return {-s, -c};
-        default: return {-c, s};
+        case 0:
+            return {s, c};
+        case 1:
+            return {c, -s};
+        case 2:
+            return {-s, -c};
+        default:
+            return {-c, s};
     }
 }
 
