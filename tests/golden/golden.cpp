@@ -130,6 +130,19 @@ TEST(GoldenFile, EveryEntryHasATest) {
                 registered().size(), std::size(kElsewhere));
 }
 
+TEST(GoldenFile, TheComparisonNotices) {
+    const Json want = {{1.0, 2.0}, {3.0, 1e6}};
+    const double allowed = tolerance().binary64;
+    EXPECT_EQ(difference(want, want, allowed, true), "");
+    EXPECT_EQ(difference({{1.0, 2.0}, {3.0, 1e6 * (1 + allowed / 2)}}, want, allowed, true), "");
+    EXPECT_NE(difference({{1.0, 2.0}, {3.0, 1e6 * (1 + 2 * allowed)}}, want, allowed, true), "");
+    EXPECT_NE(difference({{1.0, 2.0 + 3 * allowed}, {3.0, 1e6}}, want, allowed, true), "");
+    EXPECT_NE(difference({{1.0, 2.0}}, want, allowed, true), "") << "another shape";
+    EXPECT_NE(difference({{1.0, 2.0}, {3.0, std::nan("")}}, want, allowed, true), "");
+    EXPECT_NE(difference({{1.0, 2.0}, {3.0, nullptr}}, want, allowed, true), "");
+    EXPECT_NE(difference(2, 1, 0, false), "");
+}
+
 TEST(GoldenFile, CountsAreThoseThatItStates) {
     size_t checks = 0;
     std::map<std::string, size_t> kinds;
