@@ -3,22 +3,15 @@
 // push-constant size and workgroup size are reflected from the words, so the host repeats nothing.
 #pragma once
 
+#include "host/module.h"
+
 #include <cstdint>
 #include <initializer_list>
 #include <map>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace plumb {
-
-// One embedded module; the generated header <spirv/NAME.h> defines `plumb::spirv::NAME` of this type.
-struct Module {
-    std::string_view name;             // stem of the .comp
-    std::span<const uint32_t> words;
-    std::string_view sha256;           // of the words, hex
-};
 
 enum class BindingKind : uint32_t { storage, uniformTexel, uniformBuffer };
 enum class TexelType : uint32_t { none, floating, unsignedInt, signedInt };

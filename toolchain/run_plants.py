@@ -2,17 +2,21 @@
 # SPDX-License-Identifier: MIT
 """Plants the faults of tests/fault/plants.txt one after the other and shows that the tests named there go red.
 
-A copy of the tree lies in BUILD/plants/0/tree, with a second copy of shaders/shared under BUILD/plants/0/twin that C++ reads and the shader compiler
-does not; so a fault can be planted in the text of one side only. Each fault rebuilds what it touches in one build tree that is kept, then runs
-the named program: it must fail. Before any fault each program must pass with the filters named, and run at least one test for each.
+BUILD is a finished build tree; nothing in it is changed. For each fault the text of one side is copied with the fault in it, only what that side
+makes of the text is compiled again (the twin: its translation units; the device: its SPIR-V modules), and the named program is linked anew with these
+objects before the archives, which then have no part in what the objects define. It must fail. Before any fault each program must pass
+with the filters named, and run at least one test for each.
 
 usage: run_plants.py BUILD [--jobs N] [--only REGEX]
 """
 import argparse
-import itertools
+import collections
+import filecmp
+import json
 import os
 import queue
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -22,103 +26,173 @@ import time
 import plants
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-COPIED = ("CMakeLists.txt", "host", "pipeline", "shaders", "tests", "toolchain", "scenes", "docs", "examples")
 BASELINE_TIMEOUT_S = 600
 
 
-def write_if_changed(path, data):
-    """Keeps the time of a file that stays as it is, so that only what changed is built again."""
-    try:
-        with open(path, "rb") as f:
-            if f.read() == data:
-                return
-    except OSError:
-        os.makedirs(os.path.dirname(path), exist_ok=True)
-    with open(path, "wb") as f:
-        f.write(data)
+def output_of(*command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def mirror(source, target):
-    wanted = set()
-    for folder, folders, files in os.walk(source):
-        folders[:] = [name for name in folders if name not in (".git", "build", "__pycache__")]
-        for name in files:
-            path = os.path.join(folder, name)
-            wanted.add(os.path.relpath(path, source))
-            with open(path, "rb") as f:
-                write_if_changed(os.path.join(target, os.path.relpath(path, source)), f.read())
-    for folder, _, files in os.walk(target):
-        for name in files:
-            path = os.path.join(folder, name)
-            if os.path.relpath(path, target) not in wanted:
-                os.remove(path)
+class Build:
+    """What Ninja knows of a finished build tree."""
+
+    def __init__(self, build):
+        self.path = os.path.abspath(build)
+        self.compile = {}  # object -> words of its compile command
+        self.source = {}   # object -> absolute path of its source
+        for entry in json.loads(output_of("ninja", "-C", build, "-t", "compdb")):
+            if entry["file"].endswith(".cpp") and " -c " in entry["command"]:
+                words = shlex.split(entry["command"])
+                # Without a compiler cache the command begins with the compiler.
+                self.compile[entry["output"]] = words
+                self.source[entry["output"]] = os.path.normpath(os.path.join(self.path, entry["file"]))
+        self.users = collections.defaultdict(set)  # absolute path -> objects and raw modules made from it
+        target = None
+        for line in output_of("ninja", "-C", build, "-t", "deps").splitlines():
+            if line.startswith(" "):
+                self.users[os.path.normpath(os.path.join(self.path, line.strip()))].add(target)
+            elif ": #deps" in line:
+                target = line.split(": #deps")[0]
+        for name, source in self.source.items():
+            self.users[source].add(name)
+        self.module_of = {}  # object of a module's words -> raw module
+        for name, source in self.source.items():
+            folder, file = os.path.split(source)
+            if folder == os.path.join(self.path, "generated", "spirv"):
+                raw = self.module_of[name] = f"generated/spirv/{file[:-4]}.raw.spv"
+                with open(f"{source[:-4]}.d", encoding="utf-8") as f:  # as glslang wrote it; paths hold no spaces
+                    for path in f.read().split(":", 1)[1].replace("\\\n", " ").split():
+                        self.users[os.path.normpath(path)].add(raw)
+        self.links = {}
+
+    def command_of(self, target):
+        """Words of the command that makes a target; CMake writes `: && COMMAND && :` or `cd FOLDER && COMMAND && ...`."""
+        line = output_of("ninja", "-C", self.path, "-t", "commands", "-s", target).strip().splitlines()[-1]
+        return shlex.split(line.split(" && ")[1])
+
+    def link_of(self, program):
+        """(words of the link command, objects that may be part of the program)"""
+        if program not in self.links:
+            owner = next((name for name in self.compile if f"/CMakeFiles/{program}.dir/" in name), None)
+            if owner is None:
+                return None
+            words = self.command_of(f"{owner.split('/CMakeFiles/')[0]}/{program}")
+            rooms = [f"/{m.group(1)}.dir/" for m in (re.search(r"lib(plumb\w+)\.a$", word) for word in words) if m]
+            rooms.append(f"/{program}.dir/")
+            self.links[program] = words, [name for name in self.compile if any(room in name for room in rooms)]
+        return self.links[program]
 
 
-class Tree:
-    """A copy of the tree, with the build that is kept. Several work side by side: building one fault is mostly a chain of single steps."""
+class Worker:
+    """A place of its own where one fault at a time is planted, built and run."""
 
-    def __init__(self, base, number, jobs):
-        self.jobs, self.planted = jobs, {}
-        self.base = os.path.join(base, str(number))
-        self.tree, self.twin, self.build = (os.path.join(self.base, name) for name in ("tree", "twin", "build"))
-        self.environment = dict(os.environ, XDG_CACHE_HOME=os.path.join(self.base, "cache"), CCACHE_BASEDIR=self.base, CCACHE_NOHASHDIR="1")
-
-    def prepare(self, programs):
-        """What cmake or the build said when it failed, else None."""
-        for name in COPIED:
-            path = os.path.join(ROOT, name)
-            if os.path.isdir(path):
-                mirror(path, os.path.join(self.tree, name))
-            elif os.path.isfile(path):
-                with open(path, "rb") as f:
-                    write_if_changed(os.path.join(self.tree, name), f.read())
-        mirror(os.path.join(ROOT, "shaders", "shared"), os.path.join(self.twin, "shaders", "shared"))
-        if not os.path.exists(os.path.join(self.build, "build.ninja")):
-            shutil.rmtree(self.build, ignore_errors=True)
-            # A quoted include looks into -iquote folders before it looks into the -I folder that the shader compiler is given.
-            done = subprocess.run(["cmake", "-S", self.tree, "-B", self.build, "-G", "Ninja", "-DPLUMB_TESTS=ON", "-DCMAKE_BUILD_TYPE=",
-                                   f"-DCMAKE_CXX_FLAGS=-O1 -iquote {self.twin} -iquote {self.twin}/shaders"],
-                                  capture_output=True, text=True, env=self.environment)
-            if done.returncode:
-                return done.stdout + done.stderr
-        done = self.make(programs)
-        return done.stdout[-4000:] + done.stderr if done.returncode else None
-
-    def places(self, row):
-        """(copies that the side of a row changes, file they come from)"""
-        source = plants.path_of(ROOT, row.file)
-        inside = os.path.relpath(source, ROOT)
-        if not inside.startswith("shaders/shared/"):
-            return [os.path.join(self.tree, inside)], source
-        sides = {"device": [self.tree], "twin": [self.twin], "both": [self.tree, self.twin]}[row.side]
-        return [os.path.join(side, inside) for side in sides], source
+    def __init__(self, build, base, number):
+        self.build, self.base = build, os.path.join(base, str(number))
+        shutil.rmtree(self.base, ignore_errors=True)
+        self.overlay, self.out = os.path.join(self.base, "text"), os.path.join(self.base, "out")
+        self.environment = dict(os.environ, XDG_CACHE_HOME=os.path.join(base, "cache"))
+        os.makedirs(self.out)
+        os.makedirs(os.path.join(base, "cache"), exist_ok=True)
 
     def plant(self, row):
-        """Takes back what is planted and plants `row` (None: nothing)."""
-        copies, source = self.places(row) if row else ([], None)
-        for copy, original in self.planted.items():
-            if copy not in copies:
-                with open(original, "rb") as f:
-                    write_if_changed(copy, f.read())
-        self.planted = {copy: source for copy in copies}
-        if row:
-            with open(source, encoding="utf-8") as f:
-                text = f.read()
-            for copy in copies:
-                write_if_changed(copy, plants.planted(text, row).encode())
+        """Lays out the text with the fault. A quoted include looks beside the file that names it first, so the shaders lie there whole."""
+        shutil.rmtree(self.overlay, ignore_errors=True)
+        shutil.copytree(os.path.join(ROOT, "shaders"), os.path.join(self.overlay, "shaders"))
+        source = plants.path_of(ROOT, row.file)
+        with open(source, encoding="utf-8") as f:
+            text = f.read()
+        target = os.path.join(self.overlay, os.path.relpath(source, ROOT))
+        os.makedirs(os.path.dirname(target), exist_ok=True)
+        with open(target, "w", encoding="utf-8") as f:
+            f.write(plants.planted(text, row))
+        return source
 
-    def make(self, programs):
-        return subprocess.run(["cmake", "--build", self.build, "--parallel", str(self.jobs), "--target", *programs],
-                              capture_output=True, text=True, env=self.environment)
+    def call(self, words):
+        done = subprocess.run(words, cwd=self.build.path, capture_output=True, text=True, env=self.environment)
+        if done.returncode:
+            raise RuntimeError(next((line for line in (done.stdout + done.stderr).splitlines() if "rror" in line), "?"))
+
+    def in_overlay(self, path):
+        """The planted copy of a file or folder of the tree, where there is one."""
+        inside = os.path.relpath(os.path.join(self.build.path, path), ROOT)
+        copy = os.path.join(self.overlay, inside)
+        return copy if not inside.startswith("..") and os.path.exists(copy) else path
+
+    def compiled(self, name, source):
+        out = os.path.join(self.out, name.replace("/", "_"))
+        words, skip = [], False
+        for word in self.build.compile[name]:
+            if skip or word in ("-o", "-MF", "-MT", "-c"):
+                skip = not skip
+            elif word not in ("-MD", "-O3"):
+                words.append(word)
+        at = next(i for i, word in enumerate(words) if word.startswith("-"))  # after the compiler
+        words[at:at] = ["-O1", "-iquote", self.overlay, "-iquote", os.path.join(self.overlay, "shaders")]
+        self.call(words + ["-o", out, "-c", source])
+        return out
+
+    def of_twin(self, path, objects):
+        """Units of the program that read the text in C++, but for what drives the device; the pass and test of the program's name first."""
+        names = sorted(name for name in self.build.users[path] if name in objects and not name.startswith("host/")
+                       and "gpu" not in os.path.basename(name))
+        return [(name, lambda name=name: self.compiled(name, self.in_overlay(self.build.source[name]))) for name in names]
+
+    def of_device(self, path, objects):
+        """Modules of the program that are not made of the same words with the fault in the text."""
+        made = []
+        for name in objects:
+            raw = self.build.module_of.get(name)
+            if raw in self.build.users[path]:
+                made.append((name, lambda name=name, raw=raw: self.module(name, raw)))
+        return made
+
+    def module(self, name, raw):
+        """Object of a planted module; None when the fault does not reach it."""
+        stem = os.path.join(self.out, os.path.basename(raw)[:-len(".raw.spv")])
+        words = [f"-I{self.in_overlay(word[2:])}" if word.startswith("-I") else self.in_overlay(word) for word in self.build.command_of(raw)]
+        words[words.index("--depfile") + 1] = stem + ".d"
+        words[words.index("-o") + 1] = stem + ".raw.spv"
+        self.call(words)
+        if filecmp.cmp(stem + ".raw.spv", os.path.join(self.build.path, raw), shallow=False):
+            return None
+        embed = self.build.command_of(raw.replace(".raw.spv", ".spv"))
+        places = {".raw.spv": stem + ".raw.spv", ".spv": stem + ".spv", ".h": stem + ".h", ".cpp": stem + ".cpp"}
+        self.call([next((place for end, place in places.items() if word.endswith(end)), word) for word in embed])
+        return self.compiled(name, stem + ".cpp")
+
+    def attempts(self, row):
+        """Programs with the fault in them: first in what bears the program's own name only (the test, its pass's twin or kernel), which is
+        enough for most faults and quick to build, then in everything that reads the text."""
+        path = self.plant(row)
+        _, objects = self.build.link_of(row.program)
+        parts = self.of_twin(path, objects) if row.side in ("twin", "both") else []
+        if row.side in ("device", "both"):
+            parts += self.of_device(path, objects)
+        stem = row.program.removesuffix("_test")
+        near = [part for part in parts if re.match(rf"{stem}(_test|_cpu|_shuffle)?\.cpp", os.path.basename(part[0]))]
+        far = [part for part in parts if part not in near]
+        made = []
+        for group in (near, far):
+            fresh = [(name, out) for name, make in group if (out := make())]
+            if fresh:
+                made += fresh
+                yield self.linked(row.program, made)
+        if not made:
+            raise RuntimeError(f"{row.file} changes nothing of {row.program}")
+
+    def linked(self, program, made):
+        replaced = {name for name, _ in made}
+        words = [word for word in self.build.link_of(program)[0] if word not in replaced]
+        at = words.index("-o")
+        words[at + 1] = os.path.join(self.out, program)
+        self.call(words[:at] + [out for _, out in made] + words[at:])
+        return words[at + 1]
 
     def run(self, program, test_filter, timeout_s):
         """(exit status, tests run, first failed test)"""
-        path = next((os.path.join(folder, program) for folder, _, files in os.walk(os.path.join(self.build, "tests")) if program in files), None)
-        if path is None:
-            return 0, 0, "no such program"
         try:
-            done = subprocess.run([path, f"--gtest_filter={test_filter}", "--gtest_fail_fast"], capture_output=True, text=True, errors="replace",
-                                  cwd=self.build, env=self.environment, timeout=timeout_s)
+            done = subprocess.run([program, f"--gtest_filter={test_filter}", "--gtest_fail_fast"], capture_output=True, text=True,
+                                  errors="replace", cwd=self.base, env=self.environment, timeout=timeout_s)
         except subprocess.TimeoutExpired:
             return -1, 1, f"no end after {timeout_s:.0f} s"
         count = re.search(r"Running (\d+) tests?", done.stdout)
@@ -133,6 +207,26 @@ def misfits(rows):
         text = open(path, encoding="utf-8").read() if os.path.isfile(path) else ""
         if len(plants.places_of(text, row)) != 1:
             yield f"{row.name}: `{row.text}` does not stand once in {row.file}"
+
+
+def side_by_side(workers, jobs, do):
+    """do(worker, job) for each job; every worker takes the next one that is left."""
+    left = queue.SimpleQueue()
+    for job in jobs:
+        left.put(job)
+
+    def labour(worker):
+        try:
+            while True:
+                do(worker, left.get_nowait())
+        except queue.Empty:
+            pass
+
+    threads = [threading.Thread(target=labour, args=(worker,)) for worker in workers]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
 
 
 def main():
@@ -151,56 +245,49 @@ def main():
     say = lambda text: print(f"[{time.monotonic() - begin:5.0f} s] {text}", flush=True)
     os.environ.setdefault("VK_ICD_FILENAMES", f"/usr/share/vulkan/icd.d/lvp_icd.{os.uname().machine}.json")
     os.environ.setdefault("PLUMB_VALIDATION", "1")
-    programs = sorted({row.program for row in rows})
-    base = os.path.join(os.path.abspath(options.build), "plants")
-    trees = [Tree(base, 0, options.jobs)] + [Tree(base, n, 1) for n in range(1, min(options.jobs, 4, len(rows)))]
-    for tree in trees:
-        tree.jobs, trouble = options.jobs, tree.prepare(programs)
-        if trouble:
-            print(trouble)
-            return 1
-    say(f"{len(trees)} trees built")
-    limits = {}
-    for program, test_filter in sorted({(row.program, row.filter) for row in rows}):
+    build = Build(options.build)
+    absent = sorted({row.program for row in rows if build.link_of(row.program) is None})
+    if absent:
+        print(f"run_plants: {options.build} has no program {', '.join(absent)}")
+        return 1
+    base = os.path.join(build.path, "plants")
+    workers = [Worker(build, base, number) for number in range(max(1, options.jobs))]
+    limits, red = {}, []
+
+    def baseline(worker, pair):
+        program, test_filter = pair
+        words, _ = build.link_of(program)
         start = time.monotonic()
-        status, count, failed = trees[0].run(program, test_filter, BASELINE_TIMEOUT_S)
-        limits[program, test_filter] = 30 + 5 * (time.monotonic() - start)
+        status, count, failed = worker.run(os.path.join(build.path, words[words.index("-o") + 1]), test_filter, BASELINE_TIMEOUT_S)
+        limits[pair] = 30 + 5 * (time.monotonic() - start)
         if status != 0 or count == 0:
-            print(f"{program} {test_filter}: {f'fails without a fault: {failed}' if status else 'matches no test'}")
-            return 1
+            red.append(f"{program} {test_filter}: {f'fails without a fault: {failed}' if status else 'matches no test'}")
+
+    side_by_side(workers, sorted({(row.program, row.filter) for row in rows}), baseline)
+    if red:
+        print("\n".join(red))
+        return 1
     say(f"green without a fault; {len(rows)} faults to plant")
-    # Rows of one program and file lie together: less is built again.
-    work, results = queue.SimpleQueue(), []
-    for _, group in itertools.groupby(sorted(rows, key=lambda r: (r.program, r.side, r.file)), key=lambda r: (r.program, r.side, r.file)):
-        group = list(group)
-        for at in range(0, len(group), 8):
-            work.put(group[at:at + 8])
+    missed = []
 
-    def labour(tree):
-        tree.jobs = max(1, options.jobs // len(trees))
+    def noticed(worker, row):
+        status, failed = 0, ""
         try:
-            while True:
-                for row in work.get_nowait():
-                    tree.plant(row)
-                    done = tree.make([row.program])
-                    if done.returncode:
-                        ok, says = False, "does not build: " + next((line for line in (done.stdout + done.stderr).splitlines() if "rror" in line), "?")
-                    else:
-                        status, _, failed = tree.run(row.program, row.filter, limits[row.program, row.filter])
-                        ok = status != 0
-                        says = f"noticed by {failed}" if ok else f"UNNOTICED by {row.program} {row.filter}"
-                    results.append(ok)
-                    say(f"{row.side:6} {row.name}: {says}")
-        except queue.Empty:
-            tree.plant(None)
+            for program in worker.attempts(row):
+                status, _, failed = worker.run(program, row.filter, limits[row.program, row.filter])
+                if status:
+                    break
+            else:
+                failed = f"UNNOTICED by {row.program} {row.filter}"
+        except RuntimeError as error:
+            status, failed = 0, f"does not build: {error}"
+        if status == 0:
+            missed.append(row.name)
+        say(f"{row.side:6} {row.name}: {f'noticed by {failed}' if status else failed}")
 
-    workers = [threading.Thread(target=labour, args=(tree,)) for tree in trees]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
-    print(f"run_plants: {len(rows)} planted faults, {len(rows) - sum(results)} not noticed")
-    return 0 if sum(results) == len(rows) else 1
+    side_by_side(workers, rows, noticed)
+    print(f"run_plants: {len(rows)} planted faults, {len(missed)} not noticed{': ' if missed else ''}{', '.join(sorted(missed))}")
+    return 1 if missed else 0
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # plumb_shader(TARGET stem [VARIANT suffix] [DEFINES -DX ...] [FOLDER shaders]): FOLDER/<stem>.comp -> SPIR-V (glslang,
-# dependency file) -> every float operation decorated NoContraction and embedded as <spirv/<stem><suffix>.h> by
-# plumb_spirv_embed. Who links TARGET finds the header; TARGET may be an INTERFACE library.
+# dependency file) -> every float operation decorated NoContraction and embedded by plumb_spirv_embed: declared in
+# <spirv/<stem><suffix>.h>, defined in a source of TARGET. Who links TARGET finds both; TARGET may be an INTERFACE library.
 function(plumb_shader target stem)
   cmake_parse_arguments(S "" "VARIANT;FOLDER" "DEFINES" ${ARGN})
   set(name ${stem}${S_VARIANT})
@@ -20,14 +20,16 @@ function(plumb_shader target stem)
             --depfile ${dir}/${name}.d -o ${dir}/${name}.raw.spv ${source}
     DEPENDS ${source} DEPFILE ${dir}/${name}.d VERBATIM COMMENT "glslang ${name}")
   add_custom_command(
-    OUTPUT ${dir}/${name}.h ${dir}/${name}.spv
-    COMMAND plumb_spirv_embed ${name} ${dir}/${name}.raw.spv ${dir}/${name}.spv ${dir}/${name}.h
+    OUTPUT ${dir}/${name}.h ${dir}/${name}.cpp ${dir}/${name}.spv
+    COMMAND plumb_spirv_embed ${name} ${dir}/${name}.raw.spv ${dir}/${name}.spv ${dir}/${name}.h ${dir}/${name}.cpp
     DEPENDS plumb_spirv_embed ${dir}/${name}.raw.spv VERBATIM COMMENT "embed ${name}")
   target_sources(${target} PRIVATE ${dir}/${name}.h)
   get_target_property(type ${target} TYPE)
   if(type STREQUAL "INTERFACE_LIBRARY")
+    target_sources(${target} INTERFACE ${dir}/${name}.cpp)
     target_include_directories(${target} INTERFACE ${CMAKE_BINARY_DIR}/generated)
   else()
+    target_sources(${target} PRIVATE ${dir}/${name}.cpp)
     target_include_directories(${target} PUBLIC ${CMAKE_BINARY_DIR}/generated)
   endif()
   set_property(GLOBAL APPEND PROPERTY PLUMB_SPIRV_FILES ${dir}/${name}.spv)
