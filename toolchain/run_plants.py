@@ -11,6 +11,7 @@ usage: run_plants.py BUILD [--jobs N] [--only REGEX]
 """
 import argparse
 import collections
+import concurrent.futures
 import filecmp
 import json
 import os
@@ -20,7 +21,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-import threading
 import time
 
 import plants
@@ -132,19 +132,19 @@ class Worker:
         return out
 
     def of_twin(self, path, objects):
-        """Units of the program that read the text in C++, but for what drives the device; the pass and test of the program's name first."""
+        """[objects replaced, how to make what replaces them]: the program's units that read the text in C++, but for what drives the device."""
         names = sorted(name for name in self.build.users[path] if name in objects and not name.startswith("host/")
                        and "gpu" not in os.path.basename(name))
-        return [(name, lambda name=name: self.compiled(name, self.in_overlay(self.build.source[name]))) for name in names]
+        return [([name], lambda name=name: self.compiled(name, self.in_overlay(self.build.source[name]))) for name in names]
 
     def of_device(self, path, objects):
-        """Modules of the program that are not made of the same words with the fault in the text."""
-        made = []
+        """The same for its modules. A module may be part of a program by more than one object."""
+        named = collections.defaultdict(list)
         for name in objects:
             raw = self.build.module_of.get(name)
             if raw in self.build.users[path]:
-                made.append((name, lambda name=name, raw=raw: self.module(name, raw)))
-        return made
+                named[raw].append(name)
+        return [(names, lambda names=names, raw=raw: self.module(names[0], raw)) for raw, names in named.items()]
 
     def module(self, name, raw):
         """Object of a planted module; None when the fault does not reach it."""
@@ -169,11 +169,11 @@ class Worker:
         if row.side in ("device", "both"):
             parts += self.of_device(path, objects)
         stem = row.program.removesuffix("_test")
-        near = [part for part in parts if re.match(rf"{stem}(_test|_cpu|_shuffle)?\.cpp", os.path.basename(part[0]))]
+        near = [part for part in parts if re.match(rf"{stem}(_test|_cpu|_shuffle)?\.cpp", os.path.basename(part[0][0]))]
         far = [part for part in parts if part not in near]
         made = []
         for group in (near, far):
-            fresh = [(name, out) for name, make in group if (out := make())]
+            fresh = [(names, out) for names, make in group if (out := make())]
             if fresh:
                 made += fresh
                 yield self.linked(row.program, made)
@@ -181,7 +181,7 @@ class Worker:
             raise RuntimeError(f"{row.file} changes nothing of {row.program}")
 
     def linked(self, program, made):
-        replaced = {name for name, _ in made}
+        replaced = {name for names, _ in made for name in names}
         words = [word for word in self.build.link_of(program)[0] if word not in replaced]
         at = words.index("-o")
         words[at + 1] = os.path.join(self.out, program)
@@ -222,11 +222,8 @@ def side_by_side(workers, jobs, do):
         except queue.Empty:
             pass
 
-    threads = [threading.Thread(target=labour, args=(worker,)) for worker in workers]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with concurrent.futures.ThreadPoolExecutor(len(workers)) as pool:
+        list(pool.map(labour, workers))  # raises what a worker raised
 
 
 def main():
@@ -268,7 +265,7 @@ def main():
         print("\n".join(red))
         return 1
     say(f"green without a fault; {len(rows)} faults to plant")
-    missed = []
+    seen, missed = [], []
 
     def noticed(worker, row):
         status, failed = 0, ""
@@ -281,13 +278,12 @@ def main():
                 failed = f"UNNOTICED by {row.program} {row.filter}"
         except RuntimeError as error:
             status, failed = 0, f"does not build: {error}"
-        if status == 0:
-            missed.append(row.name)
+        (seen if status else missed).append(row.name)
         say(f"{row.side:6} {row.name}: {f'noticed by {failed}' if status else failed}")
 
     side_by_side(workers, rows, noticed)
     print(f"run_plants: {len(rows)} planted faults, {len(missed)} not noticed{': ' if missed else ''}{', '.join(sorted(missed))}")
-    return 1 if missed else 0
+    return 0 if len(seen) == len(rows) else 1
 
 
 if __name__ == "__main__":

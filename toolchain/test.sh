@@ -17,8 +17,8 @@ plumb_install demo test
 plumb_build test
 case $mode in
   quick) select=(-L '^(unit|twin|frame-small|lint)$') ;;
-  plain) plumb_build sanitize tests/unit/all; select=(-LE '^long$') ;;
-  long) plumb_build sanitize tests/unit/all; select=() ;;
+  plain) plumb_build sanitize tests/unit/all tests/fuzz/all; select=(-LE '^long$') ;;
+  long) plumb_build sanitize tests/unit/all tests/fuzz/all; plumb_build fuzz tests/fuzz/all; select=() ;;
 esac
 
 plumb_say "testing ($mode)"

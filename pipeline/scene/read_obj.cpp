@@ -296,9 +296,13 @@ private:
             const Defined& defined = library_[found->second];
             if (defined.clamped && clamped++ == 0) firstClamped = defined.place;
             indexOf[used] = uint32_t(mesh_.materials.size());
-            mesh_.materials.push_back(defined.material);
-            // illum 0 and 1 have no highlight, whatever Ks says.
-            if (defined.material.illum < 2) mesh_.materials.back().specular = glm::vec3(0);
+            Material& material = mesh_.materials.emplace_back(defined.material);
+            // illum 0 is the colour Kd without any light; 0 and 1 have no highlight, whatever Ks says.
+            if (material.illum < 2) material.specular = glm::vec3(0);
+            if (material.illum == 0) {
+                material.emission = glm::min(material.emission + material.diffuse, glm::vec3(1));
+                material.ambient = material.diffuse = glm::vec3(0);
+            }
         }
         for (uint32_t& material : mesh_.faceMaterial)
             if (material != kNone) material = indexOf[material];
