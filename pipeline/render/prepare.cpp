@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/prepare.h"
+#include "pipeline/scene/plain_floats.h"
 
 #include "pipeline/passes/encode.h"
 
@@ -241,6 +242,7 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
 }  // namespace
 
 Prepared prepare(const Scene& scene, const RenderRequest& request) {
+    const PlainFloats plain;
     PLUMB_ASSERT(scene.camera.has_value());
     Prepared p;
     p.width = request.width;

@@ -4,6 +4,7 @@
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/stopwatch.h"
+#include "pipeline/scene/plain_floats.h"
 #include "pipeline/render/twin_frame.h"
 #include "pipeline/render/wire.h"
 
@@ -28,6 +29,7 @@ void countGeometry(const TwinGeometry& g, RenderCounters& c) {
 }  // namespace
 
 RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
+    const PlainFloats plain;
     const Stopwatch total(nullptr, "");
     const uint32_t threads = threadCount(request.threads);
     Prepared p = prepare(scene, request);

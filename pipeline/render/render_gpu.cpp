@@ -2,6 +2,7 @@
 // The device draws: bands of rows, chunks of triangles. The usual frame is one band and one chunk, each pixel written once; more
 // chunks keep z, triangle and colour in planes between them, and give the same bytes.
 #include "pipeline/render/gpu_frame.h"
+#include "pipeline/scene/plain_floats.h"
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/render/wire.h"
 
@@ -195,6 +196,7 @@ private:
 }  // namespace
 
 RenderResult renderGpu(Device& device, const Scene& scene, const RenderRequest& request) {
+    const PlainFloats plain;
     return DeviceRender(device, scene, request).draw();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Compares device and twin twice: each pass on the twin's input, and the whole chain on each side's own output.
 #include "pipeline/render/gpu_frame.h"
+#include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/sha256.h"
 #include "pipeline/render/twin_frame.h"
 
@@ -257,6 +258,7 @@ private:
 }  // namespace
 
 VerifyReport verifyRender(Device& device, const Scene& scene, const RenderRequest& request) {
+    const PlainFloats plain;
     return Verifier(device, scene, request).run();
 }
 

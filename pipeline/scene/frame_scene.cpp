@@ -2,6 +2,7 @@
 // A camera and lights for scenes that state none.
 #include "pipeline/transform/degrees.h"
 #include "pipeline/scene/load.h"
+#include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -133,6 +134,7 @@ std::vector<Light> defaultLights(const Scene&, const Camera& camera) {
 }
 
 void completeScene(Scene& scene, glm::uvec2 size, const std::string& view, bool bareMesh) {
+    const PlainFloats plain;
     PLUMB_ASSERT(size.x > 0 && size.y > 0);
     if (!scene.camera || !view.empty()) scene.camera = frameCamera(scene, double(size.x) / size.y, view);
     if (bareMesh && scene.lights.empty()) {

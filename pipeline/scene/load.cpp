@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/load.h"
+#include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -69,6 +70,7 @@ uint32_t addMeshFile(Scene& scene, const std::filesystem::path& path, const Load
 bool isBareMesh(const std::filesystem::path& path) { return meshFormatOf(path) || isGltf(path); }
 
 Scene loadScene(const std::vector<std::filesystem::path>& paths, const LoadOptions& options) {
+    const PlainFloats plain;
     if (paths.empty()) throw usageError("no scene file is given");
     for (const std::filesystem::path& path : paths) {
         if (meshFormatOf(path)) continue;

@@ -6,7 +6,11 @@
 #include "tests/support/scenes.h"
 
 #include <algorithm>
+#include <cfenv>
 #include <filesystem>
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
 
 namespace plumb::test {
 namespace {
@@ -53,6 +57,31 @@ TEST_F(Frames, AreEqualInEveryShadingWithEverySampleCount) {
                 if (transparent) request.encoding = Encoding::linear;
                 both(row.scene(), request);
             }
+}
+
+// A library that was linked with -ffast-math, or a host program, may leave any of these behind.
+TEST_F(Frames, DoNotDependOnTheCallersFloatEnvironment) {
+    const SceneCase row{"inside", inside, 131, 67};
+    const Scene scene = row.scene();
+    const Frame want = both(scene, requestOf(row));
+    for (const int rounding : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+        SCOPED_TRACE(rounding);
+        ASSERT_EQ(std::fesetround(rounding), 0);
+        const Frame got = both(scene, requestOf(row));
+        EXPECT_EQ(std::fegetround(), rounding) << "the caller's rounding is put back";
+        std::fesetround(FE_TONEAREST);
+        expectSameFrame(want, got);
+    }
+#ifdef __SSE2__
+    constexpr unsigned kFlushToZero = 0x8000, kSubnormalsAreZero = 0x0040;
+    const unsigned found = _mm_getcsr();
+    _mm_setcsr(found | kFlushToZero | kSubnormalsAreZero);
+    const Frame got = both(scene, requestOf(row));
+    const unsigned left = _mm_getcsr();
+    _mm_setcsr(found);
+    EXPECT_EQ(left & (kFlushToZero | kSubnormalsAreZero), kFlushToZero | kSubnormalsAreZero) << "the caller's flags are put back";
+    expectSameFrame(want, got);
+#endif
 }
 
 TEST_F(Frames, AreEqualAtAwkwardSizes) {

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <unistd.h>
@@ -28,7 +29,8 @@ constexpr uint64_t kMostTriangles = 20000;  // more take the twin long and find 
 
 // A folder in memory, so that nothing waits for a disk.
 const std::string& folder() {
-    static const std::string path = [] {
+    // Not destroyed: the handler that removes the folder runs after the destructors.
+    static const std::string& path = *new std::string([] {
         std::string name = access("/dev/shm", W_OK) == 0 ? "/dev/shm/plumb-fuzz-XXXXXX" : "/tmp/plumb-fuzz-XXXXXX";
         if (!mkdtemp(name.data())) finding("no temporary folder", name);
         std::atexit([] {
@@ -36,7 +38,7 @@ const std::string& folder() {
             std::filesystem::remove_all(folder(), ignored);
         });
         return name;
-    }();
+    }());
     return path;
 }
 
