@@ -168,7 +168,7 @@ std::string zshScript() {
                 cases += fmt::format(" \\\n                {}", quoted(fmt::format("{}{}{}[{}]{}", repeat, name, equals, text(flag.help), colon)));
             }
         }
-        cases += row.bit == kHelp ? " \\\n                '1:command:(render verify devices info help)'\n            ;;\n"
+        cases += row.bit == kHelp ? " \\\n                '1:command:(render verify diff devices info help)'\n            ;;\n"
                  : row.operands[0] == '\0' ? "\n            ;;\n"
                                            : " \\\n                '*:file:_files'\n            ;;\n";
     }

@@ -19,7 +19,7 @@ struct Refused {};
 
 constexpr uint32_t kDraw = kRender | kVerify;
 constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix;
-constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix;
+constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix | kDiff;
 constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices;
 constexpr uint32_t kLargestSide = 65536;
 
@@ -154,12 +154,12 @@ const std::vector<const char*> kFile = {"FILE"};
 const std::vector<const char*> kDeviceWords = {"auto", "twin", "lavapipe", "gpu", "software"};
 
 const std::vector<Flag> kFlags = {
-    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}' and '{aov}' are filled in", "",
-     "a path that ends in .png, .exr or .npy, or -", kFile, kDraw, [](Options& o, const std::string& v) {
+    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}' and '{aov}' are filled in; diff writes the difference as PNG", "",
+     "a path that ends in .png, .exr or .npy, or -", kFile, kDraw | kDiff, [](Options& o, const std::string& v) {
          if (v.empty()) throw Refused{};
          o.output = v;
      }},
-    {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender, [](Options& o, const std::string&) { o.noClobber = true; }},
+    {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff, [](Options& o, const std::string&) { o.noClobber = true; }},
     {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw, setSize},
     {"--shading", "MODE", "how faces are shaded", "the scene's, else phong", "wire, unlit, flat, gouraud, phong",
      {"wire", "unlit", "flat", "gouraud", "phong"}, kDraw,
@@ -203,7 +203,7 @@ const std::vector<Flag> kFlags = {
          if (v.empty()) throw Refused{};
          o.requireDevice = v;
      }},
-    {"--threads", "N", "threads of the CPU twin; changes no byte", "all", "a whole number, 0 (all) to 4096", kNoWords, kDraw | kMatrix,
+    {"--threads", "N", "threads of the CPU twin and of diff; changes no byte", "all", "a whole number, 0 (all) to 4096", kNoWords, kDraw | kMatrix | kDiff,
      [](Options& o, const std::string& v) { o.threads = number<uint32_t>(v, 0, 4096); }},
     {"--memory", "BYTES", "budget of device memory; K, M, G are powers of 1024", "half of the free memory at most", "a whole number with K, M or G, at least 1M", kNoWords,
      kUsesDevice,
@@ -221,6 +221,25 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) { o.creaseDegrees = real(v, 0, 180); }},
     {"--fail-blank", "[=SHARE]", "exit 7 and write nothing when less of the picture is covered, or it has one colour only", "0.1%", "a share, 0 to 1, or a percentage, e.g. 0.1%",
      kNoWords, kRender, setFailBlank},
+    {"--gate", "GATE", "exit 1 when this does not hold, instead of when any pixel differs; given several times, all must hold",
+     "", "[PLANE.]METRIC<=VALUE: max, mean, rmse, psnr, ssim, flip, flip_max, deltae, deltae_max, ulp, differing, region, nan, over(LEVEL); psnr and ssim take >=; e.g. 'max<=2/255', "
+     "'over(4/255)<=0.1%'", kNoWords, kDiff, [](Options& o, const std::string& v) { o.gates.push_back(v); }, true},
+    {"--radius", "N", "a pixel matches when a pixel of the other picture within N columns and rows does (max, mean, rmse, psnr, over, differing, region)", "0", "a whole number, 0 to 16", kNoWords,
+     kDiff, [](Options& o, const std::string& v) { o.radius = number<uint32_t>(v, 0, 16); }},
+    {"--plane", "LIST", "compare these planes only, by commas", "all", "names of planes, by commas", kNoWords, kDiff,
+     [](Options& o, const std::string& v) {
+         for (const auto part : split(v, ',')) {
+             if (part.empty()) throw Refused{};
+             o.planes.emplace_back(part);
+         }
+     }, true},
+    {"--ppd", "N", "pixels a degree of the viewer, for FLIP", "67.02: 3840 pixels on 0.7 m, seen from 0.7 m", "a number, 1 to 1000", kNoWords, kDiff,
+     [](Options& o, const std::string& v) { o.pixelsPerDegree = real(v, 1, 1000); }},
+    {"--heat", "FILE", "write a heat map as PNG: FLIP's error for colour, else the error", "", "a path that ends in .png", kFile, kDiff,
+     [](Options& o, const std::string& v) {
+         if (!v.ends_with(".png")) throw Refused{};
+         o.heat = v;
+     }},
     {"--json", "[=FILE]", "write the report as JSON, to standard output or to FILE", "", "a path", kFile, kReports,
      [](Options& o, const std::string& v) {
          o.json = true;
@@ -270,6 +289,13 @@ const std::vector<CommandRow> kCommands = {
      {{{"plumb verify scene.toml", "all passes and planes at the scene's size"},
        {"plumb verify *.obj --size 333x211 --samples 4", "several meshes at an awkward size"},
        {"plumb verify mug.obj --device lavapipe --json=verify.json -o verify/mug.png", "one device, a report, and pictures in case of a difference"}}}},
+    {kDiff, "diff", "A B", "compare two pictures",
+     "Compares two PNG, EXR or NPY pictures plane by plane: largest, mean and root-mean-square error, PSNR, SSIM, FLIP, CIEDE2000, ULP of float planes, pixels over 1, 2, 4 and 8 levels, the "
+     "largest connected region. Exit 0 when all gates hold, or without a gate when no pixel differs; exit 1 otherwise, with the place. A NaN is named before any norm; another size is a "
+     "difference, never resized.",
+     {{{"plumb diff a.png b.png", "every measure; exit 1 when a pixel differs"},
+       {"plumb diff a.png b.png --gate 'max<=2/255' --gate 'flip<=0.02' -o diff.png --heat heat.png", "two gates, and pictures of where"},
+       {"plumb diff a.exr b.exr --plane depth --gate 'depth.ulp<=4' --json", "one plane of two EXRs, the report on standard output"}}}},
     {kDevices, "devices", "", "list what can draw",
      "Lists what the Vulkan loader finds, what would be picked and why not the others, and what the start-up self-test says.",
      {{{"plumb devices", "a list to read"},
@@ -295,7 +321,7 @@ const std::vector<CommandRow> kCommands = {
 };
 
 // Reserved by the design for later versions, so that nothing else takes the words.
-constexpr std::array kLater = {"diff", "measure", "plan", "bench", "stress", "view", "merge", "worker", "report"};
+constexpr std::array kLater = {"measure", "plan", "bench", "stress", "view", "merge", "worker", "report"};
 
 constexpr std::array<ExitRow, 10> kExitCodes = {{{0, "done, and every gate held"},
                                                  {1, "compared, and different"},
@@ -357,7 +383,8 @@ void checkTogether(const Options& o) {
     if (!o.views.empty() && (o.eye || o.at)) throw usageError("--view and --eye/--at exclude each other");
     if (o.dimensions == 2 && o.spacePoints) throw usageError("--point: with --dimensions 2 a point has two numbers");
     if (o.dimensions == 3 && o.planePoints) throw usageError("--point: a point has three numbers, unless with --dimensions 2");
-    if (o.command == kRender && o.json && o.jsonFile.empty() && o.output == "-")
+    if (o.command == kDiff && !o.output.empty() && o.output != "-" && !o.output.ends_with(".png")) throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, or -", printable(o.output)));
+    if ((o.command & (kRender | kDiff)) != 0 && o.json && o.jsonFile.empty() && o.output == "-")
         throw usageError("--json and -o - both want standard output: use --json=FILE or -o FILE");
 }
 
@@ -465,6 +492,7 @@ Options parseOptions(const std::vector<std::string>& arguments) {
     } else if (options.inputs.empty()) {
         throw usageError(fmt::format("`plumb {}` needs {}", row.name, row.operands));
     }
+    if (options.command == kDiff && options.inputs.size() != 2) throw usageError(fmt::format("`plumb diff` needs two pictures, and {} are given", options.inputs.size()));
     checkTogether(options);
     return options;
 }

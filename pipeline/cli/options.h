@@ -15,7 +15,7 @@
 
 namespace plumb {
 
-enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kMatrix = 64, kEveryCommand = 31 | kMatrix };
+enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kDiff = 32, kMatrix = 128, kEveryCommand = 63 | kMatrix };
 
 enum class ProgressMode { automatic, bar, plain, json, none };
 enum class Aov { colour, linear, depth, distance, normal, objectId, primitiveId };
@@ -32,6 +32,12 @@ struct Options {
     Command command = kHelp;
     std::vector<std::string> inputs;        // what stands after the command
     bool help = false, version = false;
+
+    std::vector<std::string> gates;         // of diff, as written; pipeline/compare/gate.h parses them
+    uint32_t radius = 0;
+    double pixelsPerDegree = 0;             // 0: the default of pipeline/compare
+    std::vector<std::string> planes;        // empty: all
+    std::string heat;                       // heat map; empty: not given
 
     std::string output;                     // empty: not given; "-": stdout
     bool noClobber = false;

@@ -25,6 +25,7 @@ plumb::Exit run(const plumb::Options& options) {
     switch (options.command) {
         case kRender: return renderCommand(options);
         case kVerify: return verifyCommand(options);
+        case kDiff: return diffCommand(options);
         case kDevices: return devicesCommand(options);
         case kInfo: return infoCommand(options);
         case kMatrix: return matrixCommand(options);

@@ -205,7 +205,7 @@ class Failures(Command):
         self.assertEqual(self.files(), ["cube.obj"])
 
     def test_usage_is_2(self):
-        for arguments in (["render", "cube.obj"], ["render", "cube.obj", "-o", "a.png", "--size", "x"], ["render", "-o", "a.png"], ["nonsense"], [], ["diff", "a", "b"],
+        for arguments in (["render", "cube.obj"], ["render", "cube.obj", "-o", "a.png", "--size", "x"], ["render", "-o", "a.png"], ["nonsense"], [], ["diff", "a"],
                           ["render", "cube.obj", "-o", "a.png", "--view", "front", "--eye", "1,2,3"], ["render", "cube.obj", "-o", "."]):
             done = self.expect(2, *arguments)
             self.assertEqual(done.stderr.count(b"\n"), 1, done.stderr)
@@ -360,7 +360,7 @@ class Telling(Command):
         self.assertIn(b"closed", text)
 
     def test_help_version_and_man(self):
-        for command in ("render", "verify", "devices", "info", "help"):
+        for command in ("render", "verify", "diff", "devices", "info", "help"):
             done = self.expect(0, "help", command)
             if command != "help":
                 self.assertEqual(done.stdout, self.expect(0, command, "--help").stdout)

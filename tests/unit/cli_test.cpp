@@ -72,7 +72,8 @@ TEST(Options, AreAccepted) {
           "render a.obj --turntable 12 -o s_{n}.png --view iso", "render a.obj --background transparent -o a.png", "render a.obj --fail-blank -o a.png",
           "render a.obj --up 0,0,1 -o a.png", "render a.obj --explain", "verify a.toml b.obj --json -o d/x.png", "devices --require-device gpu", "devices", "info a.obj --json",
           "help", "help render", "help --man", "help --completion fish", "--version", "--help", "render --help", "render a.obj -o a.png --memory 1048576",
-          "render a.obj -o a.png --size 65536x1"})
+          "render a.obj -o a.png --size 65536x1",
+          "diff a.png b.png --gate max<=2/255 --gate flip<=0.02 --radius 1 --ppd 30 --plane color,depth --heat h.png -o d.png --json"})
         EXPECT_NO_THROW(parse(line)) << line;
 }
 
@@ -84,7 +85,14 @@ TEST(Options, AreRefusedWithAReason) {
         {"", "a command is missing"},
         {"rendr a.obj", "did you mean 'render'?"},
         {"a.obj", "is not a command"},
-        {"diff a b", "'diff' is not in this version"},
+        {"diff a", "needs two pictures, and 1 are given"},
+        {"diff a b c", "needs two pictures"},
+        {"diff a b -o x.exr", "accepted: a path that ends in .png"},
+        {"diff a b --radius 99", "0 to 16"},
+        {"diff a b --plane ,", "--plane"},
+        {"diff a b --heat x.exr", "--heat"},
+        {"diff a b --size 3x3", "--size is not a flag of `plumb diff`"},
+        {"render a.obj -o a.png --gate max<=1", "--gate is not a flag of `plumb render`"},
         {"measure x", "'measure' is not in this version"},
         {"plan x", "not in this version"},
         {"bench", "not in this version"},

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// Differences as pictures, 8 bits RGB. NaN is magenta in both.
+#pragma once
+
+#include "pipeline/compare/compare.h"
+#include "pipeline/render/frame.h"
+
+namespace plumb {
+
+// |A - B| of each channel times 2^exponent, the largest power of two that keeps every finite difference below 256/255 of full scale; a layer of one
+// channel is grey. Ids: white where they differ. Alpha: where only it differs, grey.
+struct DifferencePicture {
+    Frame frame;
+    int exponent = 0;
+};
+DifferencePicture drawDifference(const Picture& a, const Picture& b, const LayerDifference&);
+
+// How much of the range a pixel uses, dark to bright: FLIP's error (0 to 1) for colour, else error over the largest finite error.
+struct HeatPicture {
+    Frame frame;
+    double brightest = 1;  // what the top of the scale stands for
+    bool flip = false;
+};
+HeatPicture drawHeat(const LayerDifference&, uint32_t width, uint32_t height);
+
+}  // namespace plumb
