@@ -233,6 +233,7 @@ DeviceLimits limitsOf(const Queried& q, const std::vector<VkQueueFamilyPropertie
                              (q.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) && limits.subgroupSize >= 8 &&
                              std::has_single_bit(limits.subgroupSize);
     limits.roundingModeRte32 = q.floats.shaderRoundingModeRTEFloat32;
+    limits.subPixelBits = l.subPixelPrecisionBits;
     limits.int64 = q.features.features.shaderInt64;
     limits.float64 = q.features.features.shaderFloat64;
     for (const VkQueueFamilyProperties& f : families)
@@ -338,6 +339,8 @@ ShrunkNative shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memo
             lower(limits.float64);
         else if (name == "roundingMode")
             lower(limits.roundingModeRte32);
+        else if (name == "graphicsQueue")
+            lower(limits.hasGraphicsQueue);
         else if (name == "memory")
             lower(memoryBudgetBytes);
         else if (name == "nativeDivide")
@@ -406,6 +409,7 @@ std::unique_ptr<DeviceImpl> openImpl(const DeviceChoice& choice, const DeviceReq
     const Queried q(impl->physical);
     const auto families = queueFamilies(impl->physical);
     impl->queueFamily = computeFamily(families);
+    impl->queueDraws = (families[impl->queueFamily].queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0;
     impl->timestampBits = families[impl->queueFamily].timestampValidBits;
     impl->driverVersion = q.properties.properties.driverVersion;
     const VkPhysicalDeviceLimits& l = q.properties.properties.limits;
@@ -439,6 +443,7 @@ std::unique_ptr<DeviceImpl> openImpl(const DeviceChoice& choice, const DeviceReq
             heapBytes = std::max(heapBytes, uint64_t(types.memoryHeaps[types.memoryTypes[i].heapIndex].size));
     uint64_t budget = memoryBudget(heapBytes, request.memoryBudgetBytes);
     if (const char* text = std::getenv("PLUMB_LIMITS")) impl->native = shrinkLimits(text, impl->limits, budget);
+    impl->queueDraws = impl->queueDraws && impl->limits.hasGraphicsQueue;
     impl->memory = std::make_shared<MemoryPool>(impl->handle, impl->vk, types, impl->limits.allocationBytes, budget);
     return impl;
 }

@@ -43,6 +43,7 @@ struct DeviceLimits {
     bool int64 = false;
     bool float64 = false;
     bool hasGraphicsQueue = false;
+    uint32_t subPixelBits = 0;           // of the device's own rasteriser (host/graphics.h)
 };
 
 // What the start-up self-test and the canaries found (docs/accuracy.md, start-up self-test).

@@ -139,6 +139,7 @@ struct DeviceImpl {
     VkDevice handle = VK_NULL_HANDLE;
     VolkDeviceTable vk{};
     uint32_t queueFamily = 0;
+    bool queueDraws = false;         // the queue has the graphics pipeline too
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t timestampBits = 0;
     uint32_t driverVersion = 0;

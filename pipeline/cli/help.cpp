@@ -91,6 +91,12 @@ std::string quoted(const std::string& text) {
 std::string joined(const std::vector<const char*>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 bool isFile(const Flag& flag) { return flag.words.size() == 1 && std::string(flag.words[0]) == "FILE"; }
 
+std::string commandNames() {
+    std::string names;
+    for (const CommandRow& row : commands()) add(names, " ", row.name);
+    return names;
+}
+
 std::string bashScript() {
     std::string names, alternatives, cases, values;
     for (const CommandRow& row : commands()) {
@@ -168,7 +174,7 @@ std::string zshScript() {
                 cases += fmt::format(" \\\n                {}", quoted(fmt::format("{}{}{}[{}]{}", repeat, name, equals, text(flag.help), colon)));
             }
         }
-        cases += row.bit == kHelp ? " \\\n                '1:command:(render verify diff devices info help)'\n            ;;\n"
+        cases += row.bit == kHelp ? fmt::format(" \\\n                '1:command:({})'\n            ;;\n", commandNames())
                  : row.operands[0] == '\0' ? "\n            ;;\n"
                                            : " \\\n                '*:file:_files'\n            ;;\n";
     }
@@ -217,7 +223,7 @@ std::string fishScript() {
 
 std::string usageText() {
     std::string text = fmt::format("plumb {}: a Vulkan compute renderer that knows how wrong it is\n\nusage: plumb COMMAND [FLAGS] [FILES]\n\n", versionText());
-    for (const CommandRow& row : commands()) text += fmt::format("  {:<8} {:<15} {}\n", row.name, row.operands, row.summary);
+    for (const CommandRow& row : commands()) text += fmt::format("  {:<8} {:<22} {}\n", row.name, row.operands, row.summary);
     return text + "\n`plumb help COMMAND` lists its flags with examples. The order of flags never matters.\nData goes to standard output, everything else to standard error.\n";
 }
 

@@ -18,9 +18,9 @@ namespace {
 struct Refused {};
 
 constexpr uint32_t kDraw = kRender | kVerify;
-constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix;
-constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix | kDiff;
-constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices;
+constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix | kBench;
+constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix | kDiff | kBench;
+constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices | kBench;
 constexpr uint32_t kLargestSide = 65536;
 
 // All of `text`, without a locale; NaN, infinity and out of range are refused.
@@ -160,7 +160,7 @@ const std::vector<Flag> kFlags = {
          o.output = v;
      }},
     {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff, [](Options& o, const std::string&) { o.noClobber = true; }},
-    {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw, setSize},
+    {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480; bench: 1920x1080", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw | kBench, setSize},
     {"--shading", "MODE", "how faces are shaded", "the scene's, else phong", "wire, unlit, flat, gouraud, phong",
      {"wire", "unlit", "flat", "gouraud", "phong"}, kDraw,
      [](Options& o, const std::string& v) {
@@ -203,12 +203,12 @@ const std::vector<Flag> kFlags = {
          if (v.empty()) throw Refused{};
          o.requireDevice = v;
      }},
-    {"--threads", "N", "threads of the CPU twin and of diff; changes no byte", "all", "a whole number, 0 (all) to 4096", kNoWords, kDraw | kMatrix | kDiff,
+    {"--threads", "N", "threads of the CPU twin and of diff; changes no byte", "all", "a whole number, 0 (all) to 4096", kNoWords, kDraw | kMatrix | kDiff | kBench,
      [](Options& o, const std::string& v) { o.threads = number<uint32_t>(v, 0, 4096); }},
     {"--memory", "BYTES", "budget of device memory; K, M, G are powers of 1024", "half of the free memory at most", "a whole number with K, M or G, at least 1M", kNoWords,
      kUsesDevice,
      setMemory},
-    {"--watchdog", "MS", "give a dispatch up after this time", "60000", "milliseconds, 1 to 86400000", kNoWords, kDraw,
+    {"--watchdog", "MS", "give a dispatch up after this time", "60000", "milliseconds, 1 to 86400000", kNoWords, kDraw | kBench,
      [](Options& o, const std::string& v) { o.watchdogMs = real(v, 1, 86400000); }},
     {"--limit-chunk", "N", "triangles of a chunk (tests)", "the device's", "a whole number above 0", kNoWords, kDraw,
      [](Options& o, const std::string& v) { o.limitChunk = number<uint64_t>(v, 1, ~uint64_t(0)); }, false, true},
@@ -246,7 +246,7 @@ const std::vector<Flag> kFlags = {
          o.jsonFile = v == "-" ? "" : v;
      }},
     {"--progress", "MODE", "progress on standard error; auto is a bar on a terminal and nothing elsewhere", "auto", "auto, bar, plain, json, none",
-     {"auto", "bar", "plain", "json", "none"}, kDraw,
+     {"auto", "bar", "plain", "json", "none"}, kDraw | kBench,
      [](Options& o, const std::string& v) {
          o.progress = oneOf<ProgressMode>(v, {{"auto", ProgressMode::automatic}, {"bar", ProgressMode::bar}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}});
      }},
@@ -266,6 +266,8 @@ const std::vector<Flag> kFlags = {
     {"--inverse", "", "print the inverse of the composite, too", "", "", kNoWords, kMatrix, [](Options& o, const std::string&) { o.inverse = true; }},
     {"--vertices", "N", "transform so many vertices step by step, by the composite and on several threads; count and time it", "", "a whole number, 1 to 100000000", kNoWords, kMatrix,
      [](Options& o, const std::string& v) { o.vertices = number<uint64_t>(v, 1, 100000000); }},
+    {"--repeat", "N", "measure each row of a benchmark N times, its sides in turn", "50", "a whole number, 3 to 100000", kNoWords, kBench,
+     [](Options& o, const std::string& v) { o.pairs = number<uint32_t>(v, 3, 100000); }},
     {"--man", "", "print the man page", "", "", kNoWords, kHelp, [](Options& o, const std::string&) { o.man = true; }},
     {"--completion", "SHELL", "print the completion script of a shell", "", "bash, zsh, fish", {"bash", "zsh", "fish"}, kHelp,
      [](Options& o, const std::string& v) {
@@ -313,6 +315,15 @@ const std::vector<CommandRow> kCommands = {
      {{{"plumb matrix rotate=90:from=3,3,5:to=6,6.4641,7 --point 4,3,5", "the seven matrices of a rotation about a line, and where a point goes"},
        {"plumb matrix --dimensions 2 rotate=90:about=3,2 --notation row", "an in-place rotation of the plane, as matrices for row vectors"},
        {"plumb matrix scene.toml --object mug --json", "the chain of one object for programs"}}}},
+    {kBench, "bench", "raster|matrix [ROW...]", "measure speed against other ways to the same result",
+     "raster: the passes against the device's own graphics pipeline, per-pixel Phong of the same scene, interleaved, warm, both with the picture in memory of the host. "
+     "ROW is sphereN, knotN, displacedN (N triangles, e.g. sphere1e5), full-screen, layers-b2f, layers-f2b, a scene or a mesh; all generated ones without a ROW. "
+     "Coverage of the two pictures is compared: exit 1 when a pixel differs further than 1/256 pixel from an edge. "
+     "matrix: vertices by one matrix and by seven, and products of chains, on the device, by the twin and by the libraries that were found, beside the bandwidth of the memory. "
+     "ROW is a count, e.g. 1e6; 1e3 to 1e7 without a ROW. Medians with the 10th and 90th percentile; times are never judged.",
+     {{{"plumb bench raster", "the generated meshes at 1920x1080"},
+       {"plumb bench raster sphere1e5 mug.obj --repeat 20 --json", "one generated and one named mesh, for programs"},
+       {"plumb bench matrix 1e6", "a million vertices, and a chain of a million matrices"}}}},
     {kHelp, "help", "[COMMAND]", "explain a command",
      "Prints the flags of a command with examples, the man page, or the completions of a shell.",
      {{{"plumb help render", "flags and examples of one command"},
@@ -321,7 +332,7 @@ const std::vector<CommandRow> kCommands = {
 };
 
 // Reserved by the design for later versions, so that nothing else takes the words.
-constexpr std::array kLater = {"measure", "plan", "bench", "stress", "view", "merge", "worker", "report"};
+constexpr std::array kLater = {"measure", "plan", "stress", "view", "merge", "worker", "report"};
 
 constexpr std::array<ExitRow, 10> kExitCodes = {{{0, "done, and every gate held"},
                                                  {1, "compared, and different"},

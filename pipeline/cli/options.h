@@ -15,7 +15,7 @@
 
 namespace plumb {
 
-enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kDiff = 32, kMatrix = 128, kEveryCommand = 63 | kMatrix };
+enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kDiff = 32, kMatrix = 128, kBench = 256, kEveryCommand = 63 | kMatrix | kBench };
 
 enum class ProgressMode { automatic, bar, plain, json, none };
 enum class Aov { colour, linear, depth, distance, normal, objectId, primitiveId };
@@ -77,6 +77,7 @@ struct Options {
     int dimensions = 3;                     // matrix: 2 or 3
     bool rowNotation = false, zReversed = false, inverse = false;
     uint64_t vertices = 0;                  // matrix: to be transformed, counted and timed
+    uint32_t pairs = 50;                    // of a row of a benchmark
 
     bool man = false;
     std::string completion;                 // bash, zsh, fish

@@ -17,6 +17,7 @@ Exit diffCommand(const Options&);
 Exit devicesCommand(const Options&);
 Exit infoCommand(const Options&);
 Exit matrixCommand(const Options&);
+Exit benchCommand(const Options&);
 Exit helpCommand(const Options&);
 
 // What `--version` prints, and the "tool" of every report.

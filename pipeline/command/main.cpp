@@ -29,6 +29,7 @@ plumb::Exit run(const plumb::Options& options) {
         case kDevices: return devicesCommand(options);
         case kInfo: return infoCommand(options);
         case kMatrix: return matrixCommand(options);
+        case kBench: return benchCommand(options);
         default: return helpCommand(options);
     }
 }

@@ -8,6 +8,7 @@
 #include "pipeline/scene/scene.h"
 
 #include <functional>
+#include <memory>
 
 namespace plumb {
 
@@ -54,6 +55,33 @@ struct RenderResult {
 Plan planRender(const Scene&, const RenderRequest&);
 RenderResult renderCpu(const Scene&, const RenderRequest&);             // the twin
 RenderResult renderGpu(Device&, const Scene&, const RenderRequest&);
+
+// A scene that stays on the device between pictures. A further picture costs its passes only: nothing is uploaded again, and buffers and
+// pipelines are kept. For whoever draws a scene more than once.
+class ResidentScene {
+public:
+    // RGBA bytes in memory that the device wrote, row 0 on top, `pitch` pixels from row to row, until the next draw(). Alpha is the
+    // covered share of a pixel; where nothing is drawn it is 0 over the background.
+    struct Picture {
+        const uint32_t* pixels = nullptr;
+        uint32_t width = 0, height = 0, pitch = 0;
+    };
+    // Uploads. `request` as for renderGpu; planes other than colour are not drawn. Throws as renderGpu does.
+    ResidentScene(Device& device, const Scene& scene, const RenderRequest& request);
+    ~ResidentScene();
+    ResidentScene(const ResidentScene&) = delete;
+    ResidentScene& operator=(const ResidentScene&) = delete;
+
+    // A scene that needs several chunks or bands, wire frames and samples are drawn as renderGpu draws them, uploads included.
+    Picture draw();
+    bool resident() const;                // the last draw() uploaded nothing but what the passes' own host steps write
+    RenderCounters counters() const;      // of the last draw()
+    std::vector<PassTime> takeTimes();    // of all draws since the last call
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
 
 // Compares every pass on the twin's input, then the whole chain on each side's own output.
 struct Mismatch {

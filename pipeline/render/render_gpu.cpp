@@ -6,6 +6,8 @@
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/render/wire.h"
 
+#include <utility>
+
 namespace plumb {
 
 namespace {
@@ -36,6 +38,32 @@ public:
         result_.plan = p_.plan;
         result_.counters = p_.counters;
     }
+
+    // Nothing but colour, in one band and one chunk that stay on the device; false when this picture needs more than that.
+    bool drawInPlace() {
+        const DrawList& list = p_.list;
+        const uint64_t chunk = std::min<uint64_t>(frame_.chunkTriangles(), request_.chunkTriangles ? request_.chunkTriangles : ~uint64_t(0));
+        const bool oneBand = list.frame.height <= int(frame_.bandRows(0)) && request_.bandRows == 0;
+        if (request_.shading == Shading::wire || p_.side > 1 || list.triangles.empty() || list.triangles.size() > chunk || !oneBand) return false;
+        result_.counters = p_.counters;
+        try {
+            frame_.beginBand(list.frame, 0);
+            if (!uploaded_) frame_.upload(list);
+            uploaded_ = true;
+            frame_.transformAndCull(false);
+            frame_.setup();
+            addCounts(frame_, result_.counters);
+            drawColours(0, false);
+        } catch (const TooLarge&) {
+            return false;
+        }
+        result_.counters.binEntries = frame_.binEntries();
+        result_.counters.chunks = result_.counters.bands = 1;
+        return true;
+    }
+    const GpuFrame& frame() const { return frame_; }
+    GpuFrame& frame() { return frame_; }
+    const RenderCounters& counters() const { return result_.counters; }
 
     RenderResult draw() {
         const Stopwatch total(nullptr, "");
@@ -187,13 +215,53 @@ private:
     }
 
     Device& device_;
-    const RenderRequest& request_;
+    RenderRequest request_;
     Prepared p_;
     GpuFrame frame_;
     RenderResult result_;
+    bool uploaded_ = false;
 };
 
 }  // namespace
+
+struct ResidentScene::Impl {
+    Device& device;
+    Scene scene;                          // for pictures that are not drawn in place
+    RenderRequest request;
+    std::unique_ptr<DeviceRender> render;
+    RenderResult whole;
+    std::vector<PassTime> times;
+    bool inPlace = true;
+
+    Impl(Device& d, const Scene& s, const RenderRequest& r) : device(d), scene(s), request(r) {
+        request.planes = kPlaneColour;
+        request.transparent = true;       // alpha is coverage
+        render = std::make_unique<DeviceRender>(device, scene, request);
+    }
+};
+
+ResidentScene::ResidentScene(Device& device, const Scene& scene, const RenderRequest& request)
+    : impl_(std::make_unique<Impl>(device, scene, request)) {}
+ResidentScene::~ResidentScene() = default;
+
+ResidentScene::Picture ResidentScene::draw() {
+    Impl& v = *impl_;
+    if (v.inPlace) v.inPlace = v.render->drawInPlace();
+    if (v.inPlace) {
+        const GpuFrame& frame = v.render->frame();
+        return {frame.colourWords().data(), v.request.width, v.request.height, frame.rowPixels()};
+    }
+    v.render.reset();                     // its buffers make room
+    v.whole = renderGpu(v.device, v.scene, v.request);
+    v.times.insert(v.times.end(), v.whole.times.begin(), v.whole.times.end());
+    return {v.whole.frame.rgba.data(), v.request.width, v.request.height, v.request.width};
+}
+
+bool ResidentScene::resident() const { return impl_->inPlace; }
+RenderCounters ResidentScene::counters() const { return impl_->inPlace ? impl_->render->counters() : impl_->whole.counters; }
+std::vector<PassTime> ResidentScene::takeTimes() {
+    return impl_->inPlace ? impl_->render->frame().recorder().takeTimes() : std::exchange(impl_->times, {});
+}
 
 RenderResult renderGpu(Device& device, const Scene& scene, const RenderRequest& request) {
     const PlainFloats plain;

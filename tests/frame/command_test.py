@@ -334,6 +334,51 @@ class Verify(Command):
         self.assertEqual(self.files(), ["cube.obj"])
 
 
+class Bench(Command):
+    """The benchmarks run and their pictures and results agree; a time is nothing that a test may judge."""
+
+    def test_raster_draws_the_picture_of_the_graphics_pipeline(self):
+        rows = ["sphere1e3", "knot1e3", "full-screen", "layers-f2b", "cube.obj"]
+        done = self.expect(0, "bench", "raster", *rows, "--size", "333x211", "--repeat", "3", "--json")
+        report = json.loads(done.stdout)
+        self.assertEqual([row["name"] for row in report["rows"]], rows)
+        for row in report["rows"]:
+            self.assertEqual(row["agreement"]["failure"], "", row)
+            self.assertEqual(row["agreement"]["unexplained"], 0)
+            self.assertGreater(row["agreement"]["covered"], 1000)
+            self.assertTrue(row["resident"])
+            self.assertEqual(row["ratio"]["count"], 3)
+            self.assertGreater(row["compute_ms"]["least"], 0)
+        self.assertIn("load", report["host"])
+
+    def test_raster_without_residence_says_so(self):
+        done = self.expect(0, "bench", "raster", "sphere1e3", "--size", "64x48", "--repeat", "3", env={"PLUMB_LIMITS": "storageRange=20000"})
+        self.assertIn(b"several bands or chunks", done.stdout)
+
+    def test_raster_needs_a_graphics_queue(self):
+        self.expect(4, "bench", "raster", "sphere1e3", "--size", "64x48", says="has no graphics pipeline", env={"PLUMB_LIMITS": "graphicsQueue=0"})
+
+    def test_matrix_measures_every_way_and_device_equals_twin(self):
+        done = self.expect(0, "bench", "matrix", "1000", "70000", "--repeat", "3", "--json")
+        tables = json.loads(done.stdout)["tables"]
+        self.assertEqual([(t["work"], t["count"]) for t in tables], [("vertices", 1000), ("vertices", 70000), ("chain", 1000), ("chain", 70000)])
+        for table in tables:
+            self.assertEqual(table["failure"], "")
+            names = [way["name"] for way in table["ways"]]
+            self.assertIn("device", " ".join(names))
+            self.assertIn("GLM", " ".join(names))
+            for way in table["ways"]:
+                self.assertGreater(way["error_u"], 0, way)   # float32 against binary64: a result without error was not computed
+        self.assertTrue(any("sequential" in line for line in tables[3]["absent"]))
+
+    def test_refusals(self):
+        self.expect(2, "bench", "rater", says="accepted: raster, matrix")
+        self.expect(2, "bench", "raster", "sphere7", says="is no row")
+        self.expect(2, "bench", "matrix", "1.5", says="is no count")
+        self.expect(3, "bench", "raster", "nothing.obj", says="nothing.obj")
+        self.expect(4, "bench", "matrix", "1000", says="there is none", env=NONE)
+
+
 class Telling(Command):
     def test_devices_names_what_would_be_picked(self):
         report = json.loads(self.expect(0, "devices", "--json").stdout)
@@ -360,7 +405,7 @@ class Telling(Command):
         self.assertIn(b"closed", text)
 
     def test_help_version_and_man(self):
-        for command in ("render", "verify", "diff", "devices", "info", "help"):
+        for command in ("render", "verify", "diff", "devices", "info", "bench", "help"):
             done = self.expect(0, "help", command)
             if command != "help":
                 self.assertEqual(done.stdout, self.expect(0, command, "--help").stdout)

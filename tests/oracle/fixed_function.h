@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A witness that shares no code with the passes: lavapipe's own fixed-function rasteriser (its graphics pipeline, not compute). It snaps to 8
+// A witness that shares no code with the passes: lavapipe's own fixed-function rasteriser (its graphics pipeline, host/graphics.h). It snaps to 8
 // sub-pixel bits and follows the top-left rule; clip coordinates that are exact multiples of 1/256 px after the viewport transform reach it
 // unrounded when the frame's sides are powers of two and |x|, |y| <= kGuard w. It has no guard band of its own (what leaves the viewport is
 // clipped, with new vertices made in floats), so the viewport is kGuard times the frame and the frame is its middle.
@@ -27,7 +27,7 @@ struct DrawnFrame {
 
 class FixedFunction {
 public:
-    // Throws std::runtime_error when there is no lavapipe: a missing witness fails, it is not skipped.
+    // Throws when there is no lavapipe: a missing witness fails, it is not skipped.
     FixedFunction();
     ~FixedFunction();
     FixedFunction(const FixedFunction&) = delete;

@@ -95,7 +95,7 @@ TEST(Options, AreRefusedWithAReason) {
         {"render a.obj -o a.png --gate max<=1", "--gate is not a flag of `plumb render`"},
         {"measure x", "'measure' is not in this version"},
         {"plan x", "not in this version"},
-        {"bench", "not in this version"},
+        {"bench", "needs raster|matrix"},
         {"stress", "not in this version"},
         {"matrix", "needs STEP...|SCENE"},
         {"view x", "not in this version"},

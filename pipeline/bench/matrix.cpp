@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/bench/matrix.h"
+
+#include "pipeline/bench/peers.h"
+#include "pipeline/bench/products.h"
+#include "pipeline/passes/parallel.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <random>
+#include <thread>
+
+namespace plumb {
+namespace {
+
+constexpr uint32_t kMatrices = gpu::kMostMatrices;
+constexpr uint32_t kPerLane = 256;      // of the tree: a shallow one, since each level is a dispatch
+constexpr uint64_t kDeepest = 60000;    // longest chain that one invocation multiplies (kMostPerLane)
+constexpr double kU = 0x1p-24;
+
+uint32_t threadsOf(const MatrixOptions& options) { return options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency()); }
+
+// A rotation, so that no chain grows or fades, with a small shift.
+glm::dmat4 randomMotion(std::mt19937_64& random) {
+    std::normal_distribution<double> normal;
+    glm::dvec4 q(normal(random), normal(random), normal(random), normal(random));
+    q /= glm::length(q);
+    const double x = q.x, y = q.y, z = q.z, w = q.w;
+    glm::dmat4 m(1);
+    m[0] = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0};
+    m[1] = {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 0};
+    m[2] = {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y), 0};
+    m[3] = {normal(random) * 1e-3, normal(random) * 1e-3, normal(random) * 1e-3, 1};
+    return m;
+}
+
+glm::mat4 rounded(const glm::dmat4& m) { return glm::mat4(m); }
+gpu::Rows rowsOf(const glm::mat4& m) {
+    const glm::mat4 t = glm::transpose(m);
+    return {t[0], t[1], t[2], t[3]};
+}
+glm::mat4 matrixOf(const gpu::Rows& r) { return glm::transpose(glm::mat4(r.r0, r.r1, r.r2, r.r3)); }
+
+// One way to the result: `run` is timed, `error` is asked once after the last round.
+struct Way {
+    std::string name;
+    std::function<void()> run;
+    std::function<double()> error;
+    bool glm = false;
+    std::vector<double> ms;
+};
+
+double msOf(const std::function<void()>& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Every round runs every way and the bandwidth once.
+void measure(MatrixTable& table, std::vector<Way>& ways, const std::function<void()>& memory, double memoryBytes, const MatrixOptions& options) {
+    std::vector<double> memoryMs, glmMs;
+    memory();
+    for (Way& way : ways) way.run(), way.run();
+    for (uint32_t round = 0; round < options.rounds; ++round) {
+        if (options.onProgress) options.onProgress(double(round) / options.rounds);
+        memoryMs.push_back(msOf(memory));
+        double glm = 0;
+        for (Way& way : ways) {
+            way.ms.push_back(msOf(way.run));
+            if (way.glm && (glm == 0 || way.ms.back() < glm)) glm = way.ms.back();
+        }
+        glmMs.push_back(glm);
+    }
+    const double bytesPerMs = memoryBytes / spreadOf(memoryMs).median;
+    table.bandwidthGBs = bytesPerMs * 1e-6;
+    for (Way& way : ways) {
+        MatrixWay row;
+        row.name = way.name;
+        row.ms = spreadOf(way.ms);
+        row.perSecond = double(table.count) / row.ms.median * 1e3;
+        row.shareOfBound = row.perSecond * table.bytesEach / (bytesPerMs * 1e3);
+        row.againstGlm = ratioOf(glmMs, way.ms);
+        row.errorU = way.error();
+        if (!std::isfinite(row.errorU)) table.failure = fmt::format("{}: a result is not finite", row.name);
+        table.ways.push_back(std::move(row));
+    }
+}
+
+// Largest entry of the difference over the largest entry of the exact result, in u. Not a number stays one.
+template <class Got, class Exact>
+double errorOf(const Got& got, const Exact& exact, int entries) {
+    double most = 0, largest = 0;
+    for (int i = 0; i < entries; ++i) {
+        largest = std::max(largest, std::abs(double(exact[i])));
+        const double error = std::abs(double(got[i]) - double(exact[i]));
+        if (!(error <= most)) most = error;
+    }
+    return most / largest / kU;
+}
+
+double errorOfMatrix(const glm::mat4& got, const glm::mat4& exact) { return errorOf(&got[0].x, &exact[0].x, 16); }
+
+double errorOfVertices(std::span<const glm::vec4> got, std::span<const glm::vec4> exact) {
+    double most = 0;
+    for (size_t i = 0; i < got.size(); ++i) {
+        const double error = errorOf(&got[i].x, &exact[i].x, 4);
+        if (!(error <= most)) most = error;
+    }
+    return most;
+}
+
+// Reads `from` and writes `to`, as large as what the ways read and write.
+void copyAll(std::span<const glm::vec4> from, std::span<glm::vec4> to, uint32_t threads) {
+    parallelBands(from.size(), 65536, threads, [&](uint64_t begin, uint64_t end) { std::memcpy(&to[begin], &from[begin], (end - begin) * 16); });
+}
+
+}  // namespace
+
+MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& options) {
+    const uint32_t threads = threadsOf(options);
+    std::mt19937_64 random(1);
+    glm::dmat4 exact[kMatrices];
+    glm::mat4 single[kMatrices];
+    glm::dmat4 all(1);
+    std::vector<gpu::Rows> seven;
+    for (uint32_t i = 0; i < kMatrices; ++i) {
+        single[i] = rounded(randomMotion(random));
+        exact[i] = glm::dmat4(single[i]);
+        seven.push_back(rowsOf(single[i]));
+        all = exact[i] * all;
+    }
+    // The composite of an application: multiplied in binary64, rounded once.
+    const glm::mat4 composite = rounded(all);
+    const std::vector<gpu::Rows> one = {rowsOf(composite)};
+
+    Buffer<glm::vec4> in(device, count, "vertices"), out(device, count, "results");
+    Buffer<gpu::Rows> oneOnDevice(device, 1, "matrix"), sevenOnDevice(device, kMatrices, "matrices");
+    oneOnDevice.upload(one);
+    sevenOnDevice.upload(seven);
+    std::vector<glm::vec4> vertices(count), results(count), wanted(count), twin(count);
+    std::uniform_real_distribution<float> within(-1, 1);
+    for (uint64_t i = 0; i < count; ++i) {
+        vertices[i] = {within(random), within(random), within(random), 1.0f};
+        wanted[i] = glm::vec4(all * glm::dvec4(vertices[i]));
+    }
+    in.upload(vertices);
+
+    MatrixTable table;
+    table.work = "vertices";
+    table.count = count;
+    table.bytesEach = 2 * sizeof(glm::vec4);
+    Recorder recorder(device);
+    const auto onDevice = [&](uint32_t matrices) {
+        recordVertices(recorder, device.limits(), matrices, count, in, matrices == 1 ? oneOnDevice : sevenOnDevice, out);
+        recorder.run(options.watchdogMs);
+        recorder.takeTimes();
+    };
+    // The results of a way are the last ones in its array when it is asked: it runs once more.
+    const auto errorOnDevice = [&](uint32_t matrices) {
+        onDevice(matrices);
+        verticesCpu(matrices == 1 ? one : seven, vertices, twin, threads);
+        if (std::memcmp(out.data(), twin.data(), count * sizeof(glm::vec4)) != 0)
+            table.failure = fmt::format("{} vertices by {} matrices: device and twin differ", count, matrices);
+        return errorOfVertices(std::span<const glm::vec4>(out.span()).first(count), wanted);
+    };
+    const auto parallel = [&](uint32_t with, const std::function<void(std::span<const glm::vec4>, std::span<glm::vec4>)>& work) {
+        parallelBands(count, 65536, with, [&](uint64_t begin, uint64_t end) {
+            work(std::span<const glm::vec4>(vertices).subspan(begin, end - begin), std::span(results).subspan(begin, end - begin));
+        });
+    };
+    std::vector<Way> ways;
+    const auto onHost = [&](const std::string& name, bool glm, const std::function<void()>& run) {
+        ways.push_back({name, run, [&, run] { return run(), errorOfVertices(results, wanted); }, glm, {}});
+    };
+    ways.push_back({"device, one composite", [&] { onDevice(1); }, [&] { return errorOnDevice(1); }, false, {}});
+    ways.push_back({"device, 7 one after another", [&] { onDevice(kMatrices); }, [&] { return errorOnDevice(kMatrices); }, false, {}});
+    onHost("twin, one composite", false, [&] { verticesCpu(one, vertices, results, threads); });
+    onHost("twin, 7 one after another", false, [&] { verticesCpu(seven, vertices, results, threads); });
+    onHost("GLM, one composite, 1 thread", true, [&] { peers::glmVertices(composite, vertices, results); });
+    onHost(fmt::format("GLM, one composite, {} threads", threads), true, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices(composite, a, b); }); });
+    onHost(fmt::format("GLM, 7 one after another, {} threads", threads), false, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices7(single, a, b); }); });
+    std::string why;
+    if (peers::hasEigen(why))
+        onHost(fmt::format("Eigen, one composite, {} threads", threads), false, [&] { parallel(threads, [&](auto a, auto b) { peers::eigenVertices(composite, a, b); }); });
+    else
+        table.absent.push_back("Eigen: " + why);
+    if (peers::hasOpenBlas(why))
+        onHost("OpenBLAS sgemm, one composite", false, [&] { peers::openBlasVertices(composite, vertices, results); });
+    else
+        table.absent.push_back("OpenBLAS: " + why);
+    measure(table, ways, [&] { copyAll(vertices, results, threads); }, double(count) * table.bytesEach, options);
+    return table;
+}
+
+MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& options) {
+    const uint32_t threads = threadsOf(options);
+    MatrixTable table;
+    table.work = "chain";
+    table.count = count;
+    table.bytesEach = sizeof(gpu::Rows);
+    std::mt19937_64 random(2);
+    std::vector<glm::mat4> chain(count);
+    glm::dmat4 all(1);
+    for (glm::mat4& m : chain) {
+        m = rounded(randomMotion(random));
+        all = all * glm::dmat4(m);
+    }
+    const glm::mat4 wanted = rounded(all);
+    std::vector<gpu::Rows> rows;
+    rows.reserve(count);
+    for (const glm::mat4& m : chain) rows.push_back(rowsOf(m));
+
+    Buffer<gpu::Rows> in(device, count, "chain"), left(device, count / 2 + 1, "products"), right(device, count / 4 + 1, "products of products");
+    in.upload(rows);
+    Recorder recorder(device);
+    const Buffer<gpu::Rows>* last = nullptr;
+    const auto treeOnDevice = [&](uint32_t perLane) {
+        const Buffer<gpu::Rows>* from = &in;
+        for (uint64_t n = count; n > 1 || from == &in; n = (n + perLane - 1) / perLane) {
+            const Buffer<gpu::Rows>* to = from == &left ? &right : &left;
+            recordChainLevel(recorder, device.limits(), perLane, n, *from, *to);
+            from = to;
+        }
+        recorder.run(options.watchdogMs);
+        recorder.takeTimes();
+        last = from;
+    };
+    std::vector<gpu::Rows> a, b;
+    const auto treeOnTwin = [&](uint32_t perLane) {
+        std::span<const gpu::Rows> from = rows;
+        for (uint64_t n = count; n > 1 || from.data() == rows.data();) {
+            n = (n + perLane - 1) / perLane;
+            std::vector<gpu::Rows>& to = from.data() == a.data() ? b : a;
+            if (to.size() < n) to.resize(n);
+            chainLevelCpu(perLane, from, std::span(to).first(n), threads);
+            from = std::span<const gpu::Rows>(to).first(n);
+        }
+        return from[0];
+    };
+    std::vector<Way> ways;
+    const auto tree = [&](const std::string& name, uint32_t perLane) {
+        ways.push_back({"device, " + name, [&, perLane] { treeOnDevice(perLane); },
+                        [&, perLane, name] {
+                            treeOnDevice(perLane);
+                            const gpu::Rows got = last->span()[0], want = treeOnTwin(perLane);
+                            if (std::memcmp(&got, &want, sizeof got) != 0) table.failure = fmt::format("a chain of {}, {}: device and twin differ", count, name);
+                            return errorOfMatrix(matrixOf(got), wanted);
+                        },
+                        false, {}});
+    };
+    tree("pairwise tree", 2);
+    tree(fmt::format("tree of {}", kPerLane), kPerLane);
+    if (count <= kDeepest)
+        tree("sequential", uint32_t(std::max<uint64_t>(2, count)));
+    else
+        table.absent.push_back(fmt::format("device, sequential: one invocation may loop 65,535 times (lavapipe), the chain has {}", count));
+    glm::mat4 product(1);
+    ways.push_back({fmt::format("twin, tree of {}", kPerLane), [&] { product = matrixOf(treeOnTwin(kPerLane)); },
+                    [&] { return errorOfMatrix(matrixOf(treeOnTwin(kPerLane)), wanted); }, false, {}});
+    const auto glmSequential = [&] { product = peers::glmChain(chain); };
+    ways.push_back({"GLM, sequential", glmSequential, [&, glmSequential] { return glmSequential(), errorOfMatrix(product, wanted); }, true, {}});
+    const auto glmTree = [&] {
+        const uint64_t part = (count + threads - 1) / threads;
+        std::vector<glm::mat4> parts((count + part - 1) / part);
+        parallelBands(parts.size(), 1, threads, [&](uint64_t begin, uint64_t end) {
+            for (uint64_t i = begin; i < end; ++i) parts[i] = peers::glmChain(std::span<const glm::mat4>(chain).subspan(i * part, std::min(part, count - i * part)));
+        });
+        product = peers::glmChain(parts);
+    };
+    ways.push_back({fmt::format("GLM, {} parts, {} threads", threads, threads), glmTree, [&, glmTree] { return glmTree(), errorOfMatrix(product, wanted); }, false, {}});
+    std::vector<uint64_t> sums(threads);
+    const auto readAll = [&] {
+        const std::span<const uint64_t> words(reinterpret_cast<const uint64_t*>(rows.data()), count * sizeof(gpu::Rows) / 8);
+        const uint64_t part = (words.size() + threads - 1) / threads;
+        parallelBands(threads, 1, threads, [&](uint64_t begin, uint64_t end) {
+            for (uint64_t i = begin; i < end; ++i)
+                if (i * part < words.size()) sums[i] += peers::sumWords(words.subspan(i * part, std::min(part, words.size() - i * part)));
+        });
+    };
+    measure(table, ways, readAll, double(count) * table.bytesEach, options);
+    return table;
+}
+
+}  // namespace plumb

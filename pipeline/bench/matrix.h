@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// Matrix throughput: vertices by one composite and by seven matrices, products of chains, each way beside the memory's bandwidth.
+#pragma once
+
+#include "host/recorder.h"
+#include "pipeline/bench/statistics.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace plumb {
+
+struct MatrixWay {
+    std::string name;                 // "device, one composite"
+    Spread ms;
+    double perSecond = 0;             // vertices, or matrices of the chain, by the median
+    double shareOfBound = 0;          // of what the memory's bandwidth allows
+    Spread againstGlm;                // GLM's best time / this time, of each round; above 1: faster than GLM
+    double errorU = 0;                // largest error of a result against binary64 rounded once, in units of 2^-24 of the result's largest entry
+};
+
+struct MatrixTable {
+    std::string work;                 // "vertices" or "chain"
+    uint64_t count = 0;
+    double bytesEach = 0;             // that must cross the memory for one: what the bound is made of
+    double bandwidthGBs = 0;          // measured in the same rounds, on arrays of the same size
+    std::vector<MatrixWay> ways;
+    std::vector<std::string> absent;  // what was not measured, and why
+    std::string failure;              // device and twin differ
+};
+
+struct MatrixOptions {
+    uint32_t rounds = 50;
+    uint32_t threads = 0;             // of what runs on the processor; 0: all
+    double watchdogMs = 60000;
+    std::function<void(double)> onProgress;
+};
+
+// count >= 1. Data lie where the way wants them; nothing is uploaded within a time.
+MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& options);
+MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& options);
+
+}  // namespace plumb

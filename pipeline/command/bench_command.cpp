@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+// plumb bench: rows as text and JSON. A time is reported, never judged; pictures and bytes that disagree are exit 1.
+#include "pipeline/bench/matrix.h"
+#include "pipeline/bench/meshes.h"
+#include "pipeline/bench/raster.h"
+#include "pipeline/cli/progress.h"
+#include "pipeline/command/command.h"
+#include "pipeline/command/interrupt.h"
+#include "pipeline/command/report.h"
+#include "pipeline/command/request.h"
+#include "pipeline/command/views.h"
+#include "pipeline/scene/load.h"
+#include "pipeline/scene/text.h"
+
+#include <charconv>
+#include <cstdlib>
+#include <fmt/format.h>
+
+namespace plumb {
+namespace {
+
+Json spreadJson(const Spread& s) { return {{"median", s.median}, {"p10", s.p10}, {"p90", s.p90}, {"least", s.least}, {"count", s.count}}; }
+
+Json contextJson(const Renderer& renderer) {
+    Json json;
+    json["tool"] = toolJson();
+    json["host"] = hostJson();
+    double load[3] = {0, 0, 0};
+    if (::getloadavg(load, 3) == 3) json["host"]["load"] = {load[0], load[1], load[2]};
+    json["device"] = renderer.json();
+    return json;
+}
+
+Json jsonOf(const RasterRow& row) {
+    Json json;
+    json["name"] = row.name;
+    json["triangles"] = row.triangles;
+    json["size"] = {row.width, row.height};
+    json["pairs"] = row.ratio.count;
+    json["resident"] = row.resident;
+    json["graphics_ms"] = spreadJson(row.graphicsMs);
+    json["compute_ms"] = spreadJson(row.computeMs);
+    json["ratio"] = spreadJson(row.ratio);
+    json["ratio_of_least"] = row.ratioOfLeast;
+    Json& passes = json["passes_ms"] = Json::object();
+    uint32_t dispatches = 0;
+    for (const PassTime& p : row.passes) {
+        passes[p.pass] = p.ms;
+        dispatches += p.dispatches;
+    }
+    json["dispatches"] = dispatches;
+    json["counters"] = countersJson(row.counters);
+    const Agreement& a = row.agreement;
+    json["agreement"] = {{"covered", a.covered},         {"coverage_differs", a.coverageDiffers}, {"unexplained", a.unexplained}, {"furthest_pixels", a.furthestPixels},
+                         {"allowed_pixels", kSnapPixels}, {"colour_most", a.colourMost},          {"colour_over_4", a.colourOver4}, {"failure", a.failure}};
+    return json;
+}
+
+std::string textOf(const RasterRow& row) {
+    const Agreement& a = row.agreement;
+    std::string text = fmt::format("{:<14} {:>9} {:>9.2f} {:>9.2f}   {:>5.2f} [{:.2f}..{:.2f}]   {:>5.2f}   {}/{} {}/{}\n", printable(row.name), row.triangles, row.graphicsMs.median,
+                                   row.computeMs.median, row.ratio.median, row.ratio.p10, row.ratio.p90, row.ratioOfLeast, a.coverageDiffers, a.unexplained, a.colourOver4, a.colourMost);
+    if (!row.resident) text += "    ours drew in several bands or chunks: it uploads within its time\n";
+    if (!a.failure.empty()) text += fmt::format("    PICTURES DISAGREE: {}\n", a.failure);
+    return text;
+}
+
+Json jsonOf(const MatrixTable& table) {
+    Json json;
+    json["work"] = table.work;
+    json["count"] = table.count;
+    json["bytes_each"] = table.bytesEach;
+    json["bandwidth_gb_s"] = table.bandwidthGBs;
+    json["ways"] = Json::array();
+    for (const MatrixWay& way : table.ways)
+        json["ways"].push_back({{"name", way.name},
+                                {"ms", spreadJson(way.ms)},
+                                {"per_second", way.perSecond},
+                                {"share_of_bound", way.shareOfBound},
+                                {"against_glm", spreadJson(way.againstGlm)},
+                                {"error_u", way.errorU}});
+    json["absent"] = table.absent;
+    json["failure"] = table.failure;
+    return json;
+}
+
+std::string textOf(const MatrixTable& table) {
+    std::string text = fmt::format("{} of {}; memory {:.1f} GB/s at this size, {:.0f} bytes each\n", table.work, table.count, table.bandwidthGBs, table.bytesEach);
+    for (const MatrixWay& way : table.ways)
+        text += fmt::format("  {:<38} {:>10.4f} ms [{:.4f}..{:.4f}]  {:>8.4f} G/s  {:>5.1f} % of the bound  {:>6.2f} of GLM [{:.2f}..{:.2f}]  error {:.2f} u\n", way.name, way.ms.median,
+                            way.ms.p10, way.ms.p90, way.perSecond * 1e-9, way.shareOfBound * 100, way.againstGlm.median, way.againstGlm.p10, way.againstGlm.p90, way.errorU);
+    for (const std::string& line : table.absent) text += fmt::format("  absent: {}\n", line);
+    if (!table.failure.empty()) text += fmt::format("  DISAGREES: {}\n", table.failure);
+    return text;
+}
+
+Scene sceneOf(const std::string& row, glm::uvec2 size, const Options& options) {
+    if (std::optional<Scene> made = benchScene(row, double(size.x) / size.y)) return std::move(*made);
+    if (row.find('.') == row.npos)
+        throw usageError(fmt::format("bench raster: '{}' is no row; accepted: sphereN, knotN, displacedN (N from 1e3 to 1e7), full-screen, layers-b2f, layers-f2b, a scene or a mesh", printable(row)));
+    Options one = options;
+    one.inputs = {row};
+    Scene scene = loadScene({row}, loadOptionsOf(options));
+    const std::vector<Viewpoint> views = viewsOf(scene, size, one);
+    scene.camera = views[0].camera;
+    scene.lights = views[0].lights;
+    return scene;
+}
+
+Exit benchRasterCommand(const Options& options, Renderer& renderer, std::vector<std::string> rows) {
+    if (rows.empty()) rows = benchSceneNames();
+    RasterOptions raster;
+    if (options.size) raster.width = options.size->x, raster.height = options.size->y;
+    raster.pairs = options.pairs;
+    raster.watchdogMs = options.watchdogMs;
+    Progress progress(options.progress, options.quiet);
+    raster.onProgress = [&progress](double done) {
+        stopIfInterrupted();
+        progress.update(done);
+    };
+    const bool text = !options.json || !options.jsonFile.empty();
+    Json json = contextJson(renderer);
+    json["bench"] = "raster";
+    json["rows"] = Json::array();
+    if (text)
+        printData(fmt::format("{}\n{}x{}, {} pairs; ratio = graphics pipeline / passes, median [10 %..90 %]; coverage: pixels drawn by one side only/further than 1/256 px from an edge; "
+                              "colour: pixels more than 4 levels apart/most levels\n{:<14} {:>9} {:>9} {:>9}   {:<18}  {:>5}   {}\n",
+                              printable(renderer.name()), raster.width, raster.height, raster.pairs, "row", "triangles", "theirs ms", "ours ms", "ratio", "least", "coverage colour"));
+    Exit verdict = Exit::done;
+    for (size_t i = 0; i < rows.size(); ++i) {
+        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()));
+        const Scene scene = sceneOf(rows[i], {raster.width, raster.height}, options);
+        const RasterRow row = benchRaster(*renderer.device(), scene, rows[i], raster);
+        progress.clear();
+        renderer.checkValidation();
+        if (!row.agreement.failure.empty()) verdict = Exit::overGate;
+        if (text) printData(textOf(row));
+        json["rows"].push_back(jsonOf(row));
+    }
+    json["memory"] = memoryJson(renderer);
+    writeJson(options, {json});
+    return verdict;
+}
+
+uint64_t countOf(const std::string& word) {
+    double count = 0;
+    const char* end = word.data() + word.size();
+    if (std::from_chars(word.data(), end, count).ptr != end || !(count >= 1 && count <= 1e8) || count != double(uint64_t(count)))
+        throw usageError(fmt::format("bench matrix: '{}' is no count; accepted: a whole number, 1 to 1e8, e.g. 1e6", printable(word)));
+    return uint64_t(count);
+}
+
+// At least 3; a fifth of what was asked for where one round takes longer than a second.
+constexpr uint64_t kLargeCount = 4000000;
+
+Exit benchMatrixCommand(const Options& options, Renderer& renderer, const std::vector<std::string>& rows) {
+    std::vector<uint64_t> vertices, chains;
+    for (const std::string& row : rows) vertices.push_back(countOf(row));
+    chains = vertices;
+    if (rows.empty()) {
+        vertices = {1000, 10000, 100000, 1000000, 10000000};
+        chains = {7, 1000, 10000, 100000, 1000000};
+    }
+    Progress progress(options.progress, options.quiet);
+    MatrixOptions matrix;
+    matrix.threads = options.threads;
+    matrix.watchdogMs = options.watchdogMs;
+    matrix.onProgress = [&progress](double done) {
+        stopIfInterrupted();
+        progress.update(done);
+    };
+    const bool text = !options.json || !options.jsonFile.empty();
+    Json json = contextJson(renderer);
+    json["bench"] = "matrix";
+    json["tables"] = Json::array();
+    if (text) printData(fmt::format("{}; medians [10 %..90 %] of rounds that run every way in turn; error against binary64 rounded once, u = 2^-24 of the largest entry\n", printable(renderer.name())));
+    Exit verdict = Exit::done;
+    const auto add = [&](const MatrixTable& table) {
+        progress.clear();
+        renderer.checkValidation();
+        if (!table.failure.empty()) verdict = Exit::overGate;
+        if (text) printData(textOf(table));
+        json["tables"].push_back(jsonOf(table));
+    };
+    const auto rounds = [&](uint64_t count) { return count < kLargeCount ? options.pairs : std::max(3u, options.pairs / 5); };
+    for (const uint64_t count : vertices) {
+        progress.begin(fmt::format("{} vertices", count));
+        matrix.rounds = rounds(count);
+        add(benchVertices(*renderer.device(), count, matrix));
+    }
+    for (const uint64_t count : chains) {
+        progress.begin(fmt::format("a chain of {}", count));
+        matrix.rounds = rounds(count);
+        add(benchChain(*renderer.device(), count, matrix));
+    }
+    json["memory"] = memoryJson(renderer);
+    writeJson(options, {json});
+    return verdict;
+}
+
+}  // namespace
+
+Exit benchCommand(const Options& options) {
+    const std::string& what = options.inputs[0];
+    if (what != "raster" && what != "matrix") throw usageError(fmt::format("bench: '{}' is refused; accepted: raster, matrix", printable(what)));
+    const std::vector<std::string> rows(options.inputs.begin() + 1, options.inputs.end());
+    if (what == "matrix" && options.size) throw usageError("--size is of `plumb bench raster`");
+    Renderer renderer(options);
+    if (renderer.device() == nullptr) {
+        std::string why = renderer.choice().reason;
+        for (const std::string& fallback : renderer.fallbacks()) why += fmt::format("; {}", fallback);
+        throw deviceError(fmt::format("bench measures a device, and there is none: {}", why));
+    }
+    if (options.verbose != 0) say(options, fmt::format("device: {}", renderer.choice().reason));
+    return what == "raster" ? benchRasterCommand(options, renderer, rows) : benchMatrixCommand(options, renderer, rows);
+}
+
+}  // namespace plumb

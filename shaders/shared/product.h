@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Contract of the products that `plumb bench matrix` measures: matrix times vector, matrix times matrix, float32, in a stated order.
+// Nothing in a picture comes from here: the passes use one composite of the host (transform.h).
+#ifndef PLUMB_PRODUCT_H
+#define PLUMB_PRODUCT_H
+#include "bridge.h"
+SHARED_BEGIN
+
+SHARED_CONST uint kMostMatrices = 7u;   // applied one after another
+
+struct Rows {
+    vec4 r0, r1, r2, r3;                // of a 4 x 4 matrix, for column vectors
+};
+
+struct VerticesPush {
+    uint statusSlot;
+    uint vertexCount;
+};
+
+struct ChainPush {
+    uint statusSlot;
+    uint matrixCount;
+    uint perLane;                       // consecutive matrices that an invocation multiplies, at most kMostPerLane
+    uint laneCount;
+};
+SHARED_CONST uint kMostPerLane = 60000u;  // below the 65,535 iterations after which lavapipe ends a loop
+
+SHARED_FN float rowTimes(vec4 row, vec4 p) { return ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w * p.w; }
+SHARED_FN vec4 timesVector(Rows m, vec4 p) { return vec4(rowTimes(m.r0, p), rowTimes(m.r1, p), rowTimes(m.r2, p), rowTimes(m.r3, p)); }
+SHARED_FN vec4 timesRows(vec4 row, Rows b) { return ((b.r0 * row.x + b.r1 * row.y) + b.r2 * row.z) + b.r3 * row.w; }
+SHARED_FN Rows timesMatrix(Rows a, Rows b) {
+    Rows m;
+    m.r0 = timesRows(a.r0, b);
+    m.r1 = timesRows(a.r1, b);
+    m.r2 = timesRows(a.r2, b);
+    m.r3 = timesRows(a.r3, b);
+    return m;
+}
+
+SHARED_END
+#endif
