@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/render/device_render.h"
+
+#include "pipeline/render/stopwatch.h"
+#include "pipeline/render/wire.h"
+
+namespace plumb {
+
+namespace {
+
+void addCounts(const GpuFrame& frame, RenderCounters& c) {
+    c.culledBackFace += frame.places().backFacing;
+    c.culledZeroArea += frame.places().zeroArea;
+    c.culledOutside += frame.places().outside;
+    c.clipped += frame.places().jobs.size();
+    c.drawnTriangles += frame.places().drawn + frame.clippedDrawn();
+}
+
+// What the kernel must leave for the planes that were asked for, and for resolving.
+uint32_t fillPlanes(const Prepared& p, const RenderRequest& request) {
+    uint32_t planes = 0;
+    if (request.planes & (kPlaneDepth | kPlaneDistance | kPlaneNormal | kPlaneObject | kPlanePrimitive | kPlaneZ | kPlaneTriangle))
+        planes |= gpu::kFillPlaneZ | gpu::kFillPlaneTriangle;
+    if (request.planes & kPlaneLinear) planes |= gpu::kFillPlaneLinear | gpu::kFillPlaneZ;
+    if (request.planes & kPlaneNormal) planes |= gpu::kFillPlaneNormal;
+    if (p.side > 1) planes |= gpu::kFillPlaneZ | gpu::kFillPlaneLinear;
+    return planes;
+}
+
+}  // namespace
+
+bool DeviceRender::drawInPlace() {
+    const DrawList& list = p_.list;
+    const uint64_t chunk = std::min<uint64_t>(frame_.chunkTriangles(), request_.chunkTriangles ? request_.chunkTriangles : ~uint64_t(0));
+    const bool oneBand = list.frame.height <= int(frame_.bandRows(0)) && request_.bandRows == 0;
+    if (request_.shading == Shading::wire || p_.side > 1 || list.triangles.empty() || list.triangles.size() > chunk || !oneBand) return false;
+    result_.counters = p_.counters;
+    try {
+        frame_.beginBand(list.frame, 0);
+        if (!uploaded_) frame_.upload(list);
+        uploaded_ = true;
+        frame_.transformAndCull(false);
+        frame_.setup();
+        addCounts(frame_, result_.counters);
+        drawColours(0, false);
+    } catch (const TooLarge&) {
+        return false;
+    }
+    result_.counters.binEntries = frame_.binEntries();
+    result_.counters.chunks = result_.counters.bands = 1;
+    return true;
+}
+
+RenderResult DeviceRender::draw() {
+    const Stopwatch total(nullptr, "");
+    PlaneWriter writer(p_, request_.planes, result_.frame);
+    if (request_.shading == Shading::wire) {
+        drawWireGpu(device_, p_, request_, result_);
+        result_.totalMs = total.elapsedMs();
+        return std::move(result_);
+    }
+    const DrawList& list = p_.list;
+    uint32_t planes = fillPlanes(p_, request_);
+    uint64_t chunk = std::min<uint64_t>(frame_.chunkTriangles(), request_.chunkTriangles ? request_.chunkTriangles : ~uint64_t(0));
+    chunk = std::max<uint64_t>(1, std::min<uint64_t>(chunk, list.triangles.size()));
+    while (!list.triangles.empty()) {
+        try {
+            drawBands(writer, planes, uint32_t(chunk));
+            break;
+        } catch (const TooLarge& reason) {
+            // Several chunks need z between them; halving always ends: one triangle's lists fit any device.
+            if (planes & gpu::kFillPlaneZ) {
+                if (chunk == 1) throw renderError(reason.what);
+                chunk = (chunk + 1) / 2;
+            }
+            planes |= gpu::kFillPlaneZ;
+            result_.counters = p_.counters;
+            writer.restart();
+            result_.frame.coveredPixels = 0;
+        }
+    }
+    result_.times = frame_.recorder().takeTimes();
+    result_.totalMs = total.elapsedMs();
+    return std::move(result_);
+}
+
+void DeviceRender::drawBands(PlaneWriter& writer, uint32_t planes, uint32_t chunkSize) {
+    const DrawList& list = p_.list;
+    const uint32_t height = uint32_t(list.frame.height);
+    const uint32_t chunks = uint32_t((list.triangles.size() + chunkSize - 1) / chunkSize);
+    if (chunks > 1) planes |= gpu::kFillPlaneZ;
+    uint32_t bandRows = frame_.bandRows(planes);
+    if (request_.bandRows) bandRows = std::min(bandRows, (request_.bandRows * p_.side + 7) / 8 * 8);
+    DrawList part;
+    for (uint32_t firstRow = 0; firstRow < height; firstRow += bandRows) {
+        gpu::FrameBox band = list.frame;
+        band.firstRow = int(firstRow);
+        band.rows = int(std::min(bandRows, height - firstRow));
+        frame_.beginBand(band, planes);
+        for (uint32_t c = 0; c < chunks; ++c) {
+            const double done = (double(firstRow) + double(band.rows) * c / chunks) / height;
+            if (request_.onProgress && !request_.onProgress(done)) throw Error(Exit::interrupted, "interrupted");
+            if (chunks > 1) part = chunkOf(list, c * chunkSize, std::min<uint32_t>(chunkSize, uint32_t(list.triangles.size()) - c * chunkSize));
+            if (chunks > 1 || firstRow == 0) frame_.upload(chunks > 1 ? part : list);
+            if (normalsApart(planes)) drawNormals(planes, c > 0);
+            if (chunks > 1 || firstRow == 0 || normalsApart(planes)) {
+                frame_.transformAndCull(false);
+                frame_.setup();
+                if (firstRow == 0) addCounts(frame_, result_.counters);
+            }
+            drawColours(planes, c > 0);
+            result_.counters.binEntries += frame_.binEntries();
+        }
+        if (p_.side > 1) frame_.resolve(p_.choices.encoding, request_.transparent, request_.planes & kPlaneLinear);
+        readBand(writer, band, planes);
+        ++result_.counters.bands;
+    }
+    result_.counters.chunks = chunks;
+    if (p_.choices.shading == gpu::kShadingFlat) result_.counters.illuminations = list.facePositions.size();
+    if (p_.choices.shading == gpu::kShadingGouraud) result_.counters.illuminations = list.positions.size();
+}
+
+bool DeviceRender::normalsApart(uint32_t planes) const {
+    return (planes & gpu::kFillPlaneNormal) && p_.choices.shading != gpu::kShadingPhong;
+}
+
+void DeviceRender::drawColours(uint32_t planes, bool prior) {
+    frame_.bin();
+    FillChoices choices = p_.choices;
+    choices.write = normalsApart(planes) ? planes & ~gpu::kFillPlaneNormal : planes;
+    choices.prior = prior;
+    choices.colour = p_.side == 1;
+    frame_.fill(choices);
+}
+
+void DeviceRender::drawNormals(uint32_t planes, bool prior) {
+    frame_.transformAndCull(true);
+    frame_.setup();
+    frame_.bin();
+    FillChoices choices = p_.choices;
+    choices.shading = gpu::kShadingPhong;
+    choices.parts = {false, false, false};
+    choices.write = planes & gpu::kFillPlaneNormal;
+    choices.prior = prior;
+    choices.colour = false;
+    frame_.fill(choices);
+}
+
+void DeviceRender::readBand(PlaneWriter& writer, const gpu::FrameBox& band, uint32_t planes) {
+    const uint32_t side = p_.side, rows = uint32_t(band.rows) / side, firstPixelRow = uint32_t(band.firstRow) / side;
+    const std::span<const uint32_t> words = side > 1 ? frame_.resolvedColours() : frame_.colourWords();
+    const uint32_t pitch = side > 1 ? frame_.resolvedRowPixels() : frame_.rowPixels();
+    Frame& out = result_.frame;
+    // On the device alpha is 0 where nothing is drawn; that counts the covered pixels, then the picture is made opaque.
+    const uint32_t opaque = request_.transparent ? 0u : 0xff000000u;
+    uint64_t covered = 0;
+    for (uint32_t y = 0; y < rows; ++y) {
+        const uint32_t* from = words.data() + size_t(y) * pitch;
+        uint32_t* to = out.rgba.data() + size_t(firstPixelRow + y) * p_.width;
+        for (uint32_t x = 0; x < p_.width; ++x) {
+            covered += from[x] >> 31;
+            to[x] = from[x] | opaque;
+        }
+    }
+    if (side == 1) out.coveredPixels += covered;
+    const uint32_t samplePitch = frame_.rowPixels();
+    const uint32_t linearSlot = planes & gpu::kFillPlaneTriangle ? 2 : 1;
+    const uint32_t normalSlot = linearSlot + (planes & gpu::kFillPlaneLinear ? 3 : 0);
+    if (request_.planes & kPlaneLinear)
+        for (uint32_t i = 0; i < 3; ++i) {
+            const std::span<const uint32_t> plane = frame_.plane(linearSlot + i);
+            const std::span<const float> resolved = side > 1 ? frame_.resolvedLinear(i) : std::span<const float>();
+            for (uint32_t y = 0; y < rows; ++y)
+                for (uint32_t x = 0; x < p_.width; ++x)
+                    out.linear[3 * (size_t(firstPixelRow + y) * p_.width + x) + i] =
+                        side > 1 ? resolved[size_t(y) * pitch + x] : gpu::realOf(int(plane[size_t(y) * samplePitch + x]));
+        }
+    if (!(planes & gpu::kFillPlaneZ)) {
+        if (p_.choices.shading == gpu::kShadingPhong) result_.counters.illuminations = out.coveredPixels;
+        return;
+    }
+    const std::span<const uint32_t> z = frame_.plane(0);
+    const std::span<const uint32_t> triangle = planes & gpu::kFillPlaneTriangle ? frame_.plane(1) : z;
+    std::span<const uint32_t> normals[3];
+    const bool wantNormal = planes & gpu::kFillPlaneNormal;
+    for (uint32_t i = 0; wantNormal && i < 3; ++i) normals[i] = frame_.plane(normalSlot + i);
+    for (uint32_t y = 0; y < rows; ++y)
+        for (uint32_t x = 0; x < p_.width; ++x) {
+            uint32_t samples = 0;
+            for (uint32_t k = 0; k < side * side; ++k)
+                samples += z[size_t(y * side + k / side) * samplePitch + x * side + k % side] != 0;
+            if (side > 1) out.coveredPixels += samples != 0;
+            if (p_.choices.shading == gpu::kShadingPhong) result_.counters.illuminations += samples;
+            const size_t at = size_t(y * side + side / 2) * samplePitch + x * side + side / 2;
+            float normal[3] = {0, 0, 0};
+            for (uint32_t i = 0; wantNormal && i < 3; ++i) normal[i] = gpu::realOf(int(normals[i][at]));
+            writer.write(x, firstPixelRow + y, int(z[at]), triangle[at], wantNormal ? normal : nullptr);
+        }
+}
+
+}  // namespace plumb

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// The device draws: bands of rows, chunks of triangles. The usual frame is one band and one chunk, each pixel written once; more
+// chunks keep z, triangle and colour in planes between them, and give the same bytes.
+#pragma once
+
+#include "pipeline/render/gpu_frame.h"
+
+namespace plumb {
+
+class DeviceRender {
+public:
+    DeviceRender(Device& device, const Scene& scene, const RenderRequest& request)
+        : device_(device), request_(request), p_(prepare(scene, request)), frame_(device, p_, request.watchdogMs) {
+        result_.plan = p_.plan;
+        result_.counters = p_.counters;
+    }
+
+    // Nothing but colour, in one band and one chunk that stay on the device; false when this picture needs more than that.
+    bool drawInPlace();
+    const GpuFrame& frame() const { return frame_; }
+    GpuFrame& frame() { return frame_; }
+    const RenderCounters& counters() const { return result_.counters; }
+
+    RenderResult draw();
+
+private:
+    void drawBands(PlaneWriter& writer, uint32_t planes, uint32_t chunkSize);
+
+    bool normalsApart(uint32_t planes) const;
+
+    void drawColours(uint32_t planes, bool prior);
+
+    // Normals of a picture that is not shaded by them: the same triangles carrying normals, before z is written.
+    void drawNormals(uint32_t planes, bool prior);
+
+    void readBand(PlaneWriter& writer, const gpu::FrameBox& band, uint32_t planes);
+
+    Device& device_;
+    RenderRequest request_;
+    Prepared p_;
+    GpuFrame frame_;
+    RenderResult result_;
+    bool uploaded_ = false;
+};
+
+}  // namespace plumb
