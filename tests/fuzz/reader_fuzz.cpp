@@ -43,7 +43,7 @@ const std::string& folder() {
 }
 
 std::string write(const char* name, std::string_view bytes) {
-    const std::string path = folder() + "/" + name;
+    std::string path = folder() + "/" + name;
     const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     if (file < 0 || ::write(file, bytes.data(), bytes.size()) != ssize_t(bytes.size()) || close(file) != 0)
         finding("cannot write", path);

@@ -23,7 +23,7 @@ std::string difference(const Json& got, const Json& want, double allowed, bool r
         if (!got.is_array() || got.size() != want.size())
             return fmt::format("{}: shape differs: {} for {}", at, got.dump(), want.dump());
         for (size_t i = 0; i < want.size(); ++i) {
-            const std::string fault = difference(got[i], want[i], allowed, relative, fmt::format("{}[{}]", at, i));
+            std::string fault = difference(got[i], want[i], allowed, relative, fmt::format("{}[{}]", at, i));
             if (!fault.empty()) return fault;
         }
         return {};
@@ -53,23 +53,23 @@ bool withinPrint(const Json& printed, const Json& expected, const Json& allowed)
 const Json& entryNamed(const std::string& id) {
     for (const Json& entry : file()["examples"])
         if (entry["id"] == id) return entry;
-    static const Json none = Json::object();
+    static const Json kNone = Json::object();
     ADD_FAILURE() << "the file has no entry " << id;
-    return none;
+    return kNone;
 }
 
 }  // namespace
 
 const Json& file() {
-    static const Json parsed = [] {
+    static const Json kFile = [] {
         std::ifstream in(PLUMB_SOURCE_DIR "/tests/data/worked-examples.json");
         return Json::parse(in);
     }();
-    return parsed;
+    return kFile;
 }
 
 const Tolerance& tolerance() {
-    static const Tolerance read = [] {
+    static const Tolerance kRead = [] {
         Tolerance t;
         const std::string text = file()["conventions"]["implementation_tolerance"].get<std::string>();
         const int found = std::sscanf(text.c_str(),
@@ -79,7 +79,7 @@ const Tolerance& tolerance() {
         if (found != 3) ADD_FAILURE() << "conventions.implementation_tolerance reads otherwise: " << text;
         return t;
     }();
-    return read;
+    return kRead;
 }
 
 Entry::Entry(const std::string& id) : entry_(entryNamed(id)), id_(id) {}
@@ -93,8 +93,8 @@ const Json& Entry::expected(const std::string& check) {
             return c["expected"];
         }
     ADD_FAILURE() << id_ << " has no check '" << check << "'";
-    static const Json none;
-    return none;
+    static const Json kNone;
+    return kNone;
 }
 
 void Entry::compare(const std::string& check, const Json& value, double allowed, bool relative) {

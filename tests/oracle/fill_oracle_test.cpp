@@ -588,7 +588,7 @@ TEST(LinesOracle, APixelIsTheFloorOfTheExactLineAtItsCentre) {
             __int128_t cell = numerator / (256 * run);
             if (cell * 256 * run > numerator) --cell;
             const int px = steep ? int(cell) : pixel, py = steep ? pixel : int(cell);
-            if (px >= 0 && px < kSide && py >= 0 && py < kSide) want[size_t(py * kSide + px)] = 0, ++owned;
+            if (px >= 0 && px < kSide && py >= 0 && py < kSide) want[size_t(py) * kSide + size_t(px)] = 0, ++owned;
         }
         ASSERT_EQ(owners, want) << fmt::format("({}, {}) to ({}, {})", x[0], y[0], x[1], y[1]);
     }

@@ -253,16 +253,16 @@ TEST(Truth, CoverageOnTheGridIsThatOfTheRationalWitness) {
         std::array<test::ScreenPoint, 3> corners{};
         oracle::SubpixelTriangle place{};
         const int step = trial % 3 == 0 ? 128 : trial % 3 == 1 ? 64 : 1;  // many samples exactly on edges and corners
+        const auto onGrid = [&](int pixel) { return double((pixel * 256 + pick(0, 255)) & -step); };
         for (size_t i = 0; i < 3; ++i) {
-            corners[i] = {double(pick(-20, 84) * 256 / step * step + pick(0, 255) / step * step),
-                          double(pick(-20, 68) * 256 + pick(0, 255) / step * step), std::exp2(pick(-3, 3))};
+            corners[i] = {onGrid(pick(-20, 84)), onGrid(pick(-20, 68)), std::exp2(pick(-3, 3))};
             place[i] = {int64_t(corners[i].x), int64_t(corners[i].y)};
         }
         s.add(corners);
         const Truth t = truthOf(s.scene, requestOf(64, 48));
         std::vector<bool> expected(64 * 48);
         for (const oracle::CoveredSpan& span : oracle::coveredSpans(place, 64, 48))
-            for (int x = span.first; x < span.end; ++x) expected[size_t(span.row * 64 + x)] = true, ++covered;
+            for (int x = span.first; x < span.end; ++x) expected[size_t(span.row) * 64 + size_t(x)] = true, ++covered;
         for (size_t at = 0; at < expected.size(); ++at)
             ASSERT_EQ(t.object[at] != kNone, expected[at])
                 << "trial " << trial << ", pixel " << at % 64 << ", " << at / 64;
@@ -398,7 +398,7 @@ TEST(TruthError, NoticesPlantedMistakes) {
     const Scene real = suzanne();
     const FrameError clean = errorOfTwin(real, real);
     const auto expectWorse = [&](const char* what, const Scene& drawn, double ErrorFigures::*figure) {
-        const FrameError e = errorOfTwin(drawn, real);
+        FrameError e = errorOfTwin(drawn, real);
         EXPECT_GT(e.linear.*figure, clean.linear.*figure) << what;
         EXPECT_GT(e.unrounded.*figure, clean.unrounded.*figure) << what;
         return e;

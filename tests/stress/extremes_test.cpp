@@ -202,7 +202,7 @@ TEST(Extremes, Row04NotFinite) {
                 files.push_back({"a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex " + position + "\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n"});
             }
             for (const auto& [name, text] : files) {
-                const std::string refusal = refusalOf([&] { loadScene({folder.write(name, text)}, {}); });
+                const std::string refusal = refusalOf([&, name = name, text = text] { loadScene({folder.write(name, text)}, {}); });
                 ++asked;
                 EXPECT_NE(refusal.find(name), std::string::npos) << name << " took " << value << " in field " << field << ": " << refusal;
                 refused += !refusal.empty();
@@ -279,7 +279,7 @@ TEST(Extremes, Row06Needles) {
         const double largest = std::max({depth[0], depth[1], depth[2]});
         for (const oracle::CoveredSpan& s : coveredSpans(t, kSide, kSide))
             for (int x = s.first; x < s.end; ++x) {
-                const size_t at = size_t(s.row * kSide + x);
+                const size_t at = size_t(s.row) * kSide + size_t(x);
                 ASSERT_NE(draw[at], 0u);
                 Real80 sum = 0, area = 0;
                 for (size_t k = 0; k < 3; ++k) {
@@ -371,7 +371,7 @@ TEST(Extremes, Row08BehindTheViewer) {
     const float zeros[] = {0.0f, -0.0f, 0x1p-126f, -0x1p-126f};
     uint64_t required = 0, gaps = 0, doubles = 0, patternsSeen = 0, clipped = 0;
     test::ScreenScene all(kSide, kSide);
-    all.scene.camera->focalPixels = kSide / 2;
+    all.scene.camera->focalPixels = kSide / 2.0;
     all.scene.cullBackFaces = false;
     std::string table;
     for (int pattern = 0; pattern < 27; ++pattern) {
@@ -403,18 +403,18 @@ TEST(Extremes, Row08BehindTheViewer) {
             std::vector<bool> hit((kSide + 2) * (kSide + 2));
             for (int y = -1; y <= kSide; ++y)
                 for (int x = -1; x <= kSide; ++x) {
-                    const glm::dvec3 ray((x + 0.5 - kSide / 2.0) / (kSide / 2), -(y + 0.5 - kSide / 2.0) / (kSide / 2), -1);
+                    const glm::dvec3 ray((x + 0.5 - kSide / 2.0) / (kSide / 2.0), -(y + 0.5 - kSide / 2.0) / (kSide / 2.0), -1);
                     const double det = glm::dot(ray, glm::cross(u, v));
                     if (det == 0) continue;
                     const double t = glm::dot(origin, glm::cross(u, v)) / det, a = glm::dot(ray, glm::cross(origin, v)) / -det, b = glm::dot(ray, glm::cross(u, origin)) / -det;
-                    hit[size_t((y + 1) * (kSide + 2) + x + 1)] = t > kNear && a > 0 && a < 1 && b > 0 && b < 1;
+                    hit[size_t(y + 1) * (kSide + 2) + size_t(x + 1)] = t > kNear && a > 0 && a < 1 && b > 0 && b < 1;
                 }
             for (int y = 0; y < kSide; ++y)
                 for (int x = 0; x < kSide; ++x) {
                     bool must = true;
-                    for (int n = 0; n < 9; ++n) must &= hit[size_t((y + n / 3) * (kSide + 2) + x + n % 3)];
+                    for (int n = 0; n < 9; ++n) must &= hit[size_t(y + n / 3) * (kSide + 2) + size_t(x + n % 3)];
                     if (!must) continue;
-                    const uint32_t owned = owners[size_t(y * kSide + x)];
+                    const uint32_t owned = owners[size_t(y) * kSide + size_t(x)];
                     ++required;
                     ++here;
                     gaps += owned == 0;
@@ -453,7 +453,7 @@ TEST(Extremes, Row09LongEdges) {
         fillCpu({kSide, kSide, 0, kSide}, {&one.draw, 1}, one.screen, z, draw, 1);
         std::vector<uint32_t> want(z.size());
         for (const oracle::CoveredSpan& s : coveredSpans(t, kSide, kSide))
-            for (int x = s.first; x < s.end; ++x) want[size_t(s.row * kSide + x)] = 1, ++pixels;
+            for (int x = s.first; x < s.end; ++x) want[size_t(s.row) * kSide + size_t(x)] = 1, ++pixels;
         ASSERT_EQ(draw, want) << "triangle " << i;
     }
     EXPECT_GT(pixels, 100000u);
@@ -470,7 +470,7 @@ TEST(Extremes, Row09LongEdges) {
         for (size_t k = 0; k < 3; ++k) {
             corners[k] = {double(t[k].x), double(t[k].y), 1};
             // what the float position holds
-            rounded[k] = {std::llround((double(float(corners[k].x / 256 - kSide / 2)) + kSide / 2) * 256), std::llround((double(float(corners[k].y / 256 - kSide / 2)) + kSide / 2) * 256)};
+            rounded[k] = {std::llround((double(float(corners[k].x / 256 - kSide / 2.0)) + kSide / 2.0) * 256), std::llround((double(float(corners[k].y / 256 - kSide / 2.0)) + kSide / 2.0) * 256)};
         }
         s.add(corners);
         if (i < 60) all.add(corners);
@@ -479,7 +479,7 @@ TEST(Extremes, Row09LongEdges) {
         const Frame frame = renderCpu(s.scene, s.request).frame;
         std::vector<uint32_t> want(frame.triangle.size(), kNone);
         for (const oracle::CoveredSpan& c : coveredSpans(rounded, kSide, kSide))
-            for (int x = c.first; x < c.end; ++x) want[size_t(c.row * kSide + x)] = 0;
+            for (int x = c.first; x < c.end; ++x) want[size_t(c.row) * kSide + size_t(x)] = 0;
         for (size_t at = 0; at < want.size(); ++at) {
             drawnPixels += frame.triangle[at] != kNone;
             if (want[at] == frame.triangle[at]) continue;
@@ -521,7 +521,7 @@ TEST(Extremes, Row10CoplanarLayers) {
             const double largest = 0x1p-10;
             for (int y = 0; y < kSide; ++y)
                 for (int x = 0; x < kSide; ++x) {
-                    const uint32_t id = frame.triangle[size_t(y * kSide + x)];
+                    const uint32_t id = frame.triangle[size_t(y) * kSide + size_t(x)];
                     if (id == kNone) continue;
                     const auto t = layer(far, 1, 0);
                     double sum = 0, area = 0;

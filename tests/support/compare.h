@@ -4,6 +4,7 @@
 
 #include "pipeline/render/frame.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -36,7 +37,9 @@ void expectSame(const std::string& pass, std::span<const T> twin, std::span<cons
         if constexpr (std::is_same_v<T, float>) {
             ASSERT_FALSE(std::isnan(twin[i]) || std::isnan(device[i])) << pass << ", " << place(i) << ": not a number";
         }
-        if (std::memcmp(&twin[i], &device[i], sizeof(T)) == 0) continue;
+        // Bytes, not values: -0 is not 0.
+        const auto bytesOf = [](const T& value) { return std::as_bytes(std::span<const T>(&value, 1)); };
+        if (std::ranges::equal(bytesOf(twin[i]), bytesOf(device[i]))) continue;
         if (differing++ == 0) first = i;
     }
     EXPECT_EQ(differing, 0u) << pass << ", " << place(first) << ": twin has " << valueOf(twin[first]) << ", device has "

@@ -302,7 +302,7 @@ inline Scene soupOne(View v) { return soup({v.width, v.height}, 3, 19, double(v.
 inline Scene sheetOf24(View v) { return sheet(v, 24); }
 
 inline const std::vector<SceneCase>& sceneCases() {
-    static const std::vector<SceneCase> rows = {
+    static const std::vector<SceneCase> kRows = {
         {"soupOne", soupOne, 1, 1},
         {"soupOne", soupOne, 19, 1},
         {"soupOne", soupOne, 1, 19},
@@ -320,7 +320,7 @@ inline const std::vector<SceneCase>& sceneCases() {
         {"sheet", sheetOf24, 131, 67},
         {"sheet", sheetOf24, 333, 211},
     };
-    return rows;
+    return kRows;
 }
 inline std::string nameOf(const SceneCase& c) { return std::string(c.name) + "_" + std::to_string(c.width) + "x" + std::to_string(c.height); }
 

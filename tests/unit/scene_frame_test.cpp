@@ -100,7 +100,7 @@ TEST(SceneFrame, EveryCommittedMeshFillsItsPictureAndNeitherClipsNorIsCrushed) {
             for (int x = 0; x < kWidth; ++x) {
                 if (!picture.drawn(x, y)) continue;
                 left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
-                const dvec3 c = picture.linear[size_t(y * kWidth + x)];
+                const dvec3 c = picture.linear[size_t(y) * kWidth + size_t(x)];
                 const glm::ivec3 code(test::srgb8(c.x), test::srgb8(c.y), test::srgb8(c.z));
                 ++drawn;
                 black += code == glm::ivec3(0);

@@ -52,7 +52,7 @@ std::vector<std::array<float, 9>> trianglesOf(const TriangleMesh& mesh) {
     for (const auto& t : mesh.triangles) {
         std::array<float, 9> flat;
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) flat[size_t(3 * i + j)] = mesh.positions[t.vertex[i]][j];
+            for (int j = 0; j < 3; ++j) flat[3 * size_t(i) + size_t(j)] = mesh.positions[t.vertex[i]][j];
         out.push_back(flat);
     }
     return out;

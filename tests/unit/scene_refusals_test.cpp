@@ -42,13 +42,13 @@ std::string refusalOf(const TemporaryFolder& folder, const std::function<void()>
 
 // Thousands of small files. A disk would take milliseconds for each; these are in memory, under a name in a folder.
 const TemporaryFolder& scratch() {
-    static const TemporaryFolder folder;
-    return folder;
+    static const TemporaryFolder kFolder;
+    return kFolder;
 }
 
 fs::path writeScratch(const std::string& name, const std::string& bytes) {
     static std::map<std::string, int> files;
-    const fs::path path = scratch().path() / name;
+    fs::path path = scratch().path() / name;
     const auto [file, fresh] = files.try_emplace(name, -1);
     if (fresh) {
         file->second = memfd_create(name.c_str(), MFD_CLOEXEC);
@@ -238,7 +238,7 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
     };
     static_assert(std::size(rows) >= 60);
     for (const Bad& row : rows) {
-        const std::string got = refusal(row.name, row.bytes);
+        std::string got = refusal(row.name, row.bytes);
         EXPECT_EQ(got.substr(0, std::strlen(row.message)), row.message) << "whole message: " << got;
         EXPECT_TRUE(hasPlace(got)) << got;
         EXPECT_LT(got.size(), 500u) << "long words are cut";
@@ -268,7 +268,7 @@ TEST(SceneRefusals, OfAMaterialLibraryNameItsOwnPlace) {
         const TemporaryFolder folder;
         folder.write("a.mtl", text);
         const fs::path path = folder.write("a.obj", "mtllib a.mtl\n" + kVertices + "f 1 2 3\n");
-        const std::string got = refusalOf(folder, [&] { readObj(path, {}); });
+        std::string got = refusalOf(folder, [&] { readObj(path, {}); });
         EXPECT_EQ(got.substr(0, std::strlen(want)), want) << got;
     }
 }
@@ -309,7 +309,7 @@ TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
     };
     for (const Field& field : fields)
         for (const char* value : {"nan", "-nan", "NaN", "inf", "-inf", "Infinity", "1e39", "-1e39", "1e31", "1e99999999999999999999"}) {
-            const std::string got = refusal(field.name, field.before + value + field.after);
+            std::string got = refusal(field.name, field.before + value + field.after);
             EXPECT_TRUE(hasPlace(got)) << got;
             EXPECT_NE(got.find(field.field), std::string::npos) << field.before << value << ": " << got;
         }
@@ -319,7 +319,7 @@ TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
         for (size_t number = 0; number < 12; ++number) {
             std::string bytes = binarySolid();
             std::memcpy(bytes.data() + 84 + 4 * number, &pattern, 4);
-            const std::string got = refusal("a.stl", bytes);
+            std::string got = refusal("a.stl", bytes);
             const std::string what = number < 3 ? fmt::format("normal {}", "xyz"[number]) : fmt::format("vertex {} {}", number / 3, "xyz"[number % 3]);
             EXPECT_TRUE(got.starts_with(fmt::format("a.stl: byte {}: {} is ", 84 + 4 * number, what))) << got;
         }
@@ -351,7 +351,7 @@ std::vector<std::pair<std::string, std::string>> seeds() {
 // The message of the refusal, "" for a mesh whose every index and normal is sound.
 std::string expectRefusedOrSound(const std::string& name, const std::string& bytes, const std::string& what) {
     const fs::path path = writeScratch(name, bytes);
-    const std::string got = refusalOf(scratch(), [&] {
+    std::string got = refusalOf(scratch(), [&] {
         Scene scene;
         const TriangleMesh& mesh = scene.meshes.at((addMeshFile(scene, path, {}), 0));
         ASSERT_FALSE(mesh.triangles.empty()) << what;
@@ -372,7 +372,7 @@ TEST(SceneRefusals, FilesCutAtEveryByteAreRefusedOrComplete) {
         ASSERT_EQ(refusal(name, bytes), "") << "the seed itself is good";
         for (size_t length = 0; length < bytes.size(); ++length, ++files) {
             const std::string cut = bytes.substr(0, length);
-            const std::string got = expectRefusedOrSound(name, cut, fmt::format("{} cut to {} bytes", name, length));
+            std::string got = expectRefusedOrSound(name, cut, fmt::format("{} cut to {} bytes", name, length));
             if (name.ends_with(".obj")) continue;   // has no end that could be missing
             // Other formats say how much there is: accepted is only what lacks white space or a name at the very end.
             if (got.empty()) {
@@ -471,7 +471,7 @@ TEST(SceneRefusals, OnlyRegularFilesAreOpened) {
         {"\x1b[31mred\x07.obj", "\\x1b[31mred\\x07.obj: No such file or directory"},
     };
     for (const auto& [name, want] : rows) {
-        const std::string got = refusalOf(folder, [&, &name = name] {
+        std::string got = refusalOf(folder, [&, &name = name] {
             Scene scene;
             addMeshFile(scene, folder.path() / name, {});
         });
@@ -505,7 +505,7 @@ TEST(SceneRefusals, ReferencesStayInTheFolderOfTheFileThatNamesThem) {
     for (const std::string& library : {std::string("../secret.mtl"), std::string("sub/../../secret.mtl"), std::string("sub/../sub/a.mtl"), std::string("/etc/passwd"),
                                        (outer.path() / "secret.mtl").string(), std::string("link.mtl"), std::string("up/secret.mtl"),
                                        std::string("up/inside2/a.mtl"), std::string("zero.mtl"), std::string("..")}) {
-        const std::string got = load(library, false);
+        std::string got = load(library, false);
         EXPECT_TRUE(got.starts_with("inside/a.obj:1:8: material library '")) << library << ": " << got;
         EXPECT_NE(got.find("--allow-outside"), std::string::npos) << got;
     }
@@ -534,7 +534,7 @@ TEST(SceneRefusals, NumbersAreReadWithoutALocale) {
     };
     const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
     std::setlocale(LC_ALL, "");
-    const std::string got = refusal("a.obj", kVertices + "v 1234.5 2 3\nf 1 2 4\nf 1 2 1234567\n");
+    std::string got = refusal("a.obj", kVertices + "v 1234.5 2 3\nf 1 2 4\nf 1 2 1234567\n");
     std::locale::global(before);
     std::setlocale(LC_ALL, "C");
     EXPECT_EQ(got, "a.obj:6:7: face corner: the vertex index is out of range; 4 are defined");
@@ -555,7 +555,7 @@ TEST(SceneRefusals, NumbersAreReadWithoutALocale) {
 }
 
 TEST(SceneRefusals, AMeshTooSmallToDrawIsRefused) {
-    const std::string got = refusal("a.obj", "v 0 0 0\nv 1e-31 0 0\nv 0 1e-31 0\nf 1 2 3\n");
+    std::string got = refusal("a.obj", "v 0 0 0\nv 1e-31 0 0\nv 0 1e-31 0\nf 1 2 3\n");
     EXPECT_NE(got.find("is 1e-31 across; the smallest that is drawn is 7.88861e-31"), std::string::npos) << got;
     EXPECT_EQ(refusal("a.obj", "v 0 0 0\nv 1e-30 0 0\nv 0 1e-30 0\nf 1 2 3\n"), "");
     EXPECT_EQ(refusal("a.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n"), "");
