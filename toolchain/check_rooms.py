@@ -4,7 +4,7 @@
 
 The order (a room may include itself and what stands before it):
 
-    shaders/shared < host < transform < scene < passes < render < truth, bench, image < compare < cli < command < tests
+    shaders/shared < host < transform < scene < passes < render < truth < measure, bench, image < compare < cli < command < tests
 
 Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
 render/ strings together. cli/ stands late and may include scene/ only: it turns words into a request and knows nothing of passes;
@@ -31,6 +31,7 @@ ROOMS = {
                         ["glm", "fmt"]),
     # Shares no function with the passes: of render/ it reads types only.
     "pipeline/truth": (["pipeline/truth", "pipeline/scene", "pipeline/render/render.h", "pipeline/render/frame.h", "host/error.h"], ["glm", "fmt"]),
+    "pipeline/measure": (["pipeline/measure", "pipeline/truth", "pipeline/render", "pipeline/scene", "host/error.h"], ["glm", "fmt"]),
     "pipeline/image": (["pipeline/image", "pipeline/render", "pipeline/scene", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
     "pipeline/compare": (["pipeline/compare", "pipeline/image", "pipeline/render/frame.h", "pipeline/passes/parallel.h", "pipeline/scene", "host/error.h"],
                          ["png", "exr", "fmt"]),

@@ -17,10 +17,10 @@ namespace {
 // A value that a flag does not accept; the parser knows the flag and what it accepts.
 struct Refused {};
 
-constexpr uint32_t kDraw = kRender | kVerify;
-constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix | kBench;
-constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix | kDiff | kBench;
-constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices | kBench;
+constexpr uint32_t kDraw = kRender | kVerify | kMeasure;
+constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix | kBench | kMeasure;
+constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix | kDiff | kBench | kMeasure;
+constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices | kBench | kMeasure;
 constexpr uint32_t kLargestSide = 65536;
 
 // All of `text`, without a locale; NaN, infinity and out of range are refused.
@@ -138,6 +138,16 @@ void setMemory(Options& o, const std::string& text) {
     if (o.memoryBytes < (uint64_t(1) << 20)) throw Refused{};
 }
 
+void setLimit(Options& o, const std::string& text) {
+    std::string_view digits = text;
+    double unit = 0;
+    for (const auto& [word, ms] : {std::pair("ms", 1.0), std::pair("min", 60000.0), std::pair("s", 1000.0)})
+        if (unit == 0 && digits.ends_with(word)) unit = ms, digits.remove_suffix(std::string_view(word).size());
+    if (unit == 0) throw Refused{};
+    o.limitMs = real(digits, 0, 1e9) * unit;
+    if (!(o.limitMs >= 1)) throw Refused{};
+}
+
 void setFailBlank(Options& o, const std::string& text) {
     if (text.empty()) {
         o.failBlank = 0.001;
@@ -155,11 +165,11 @@ const std::vector<const char*> kDeviceWords = {"auto", "twin", "lavapipe", "gpu"
 
 const std::vector<Flag> kFlags = {
     {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}' and '{aov}' are filled in; diff writes the difference as PNG", "",
-     "a path that ends in .png, .exr or .npy, or -", kFile, kDraw | kDiff, [](Options& o, const std::string& v) {
+     "a path that ends in .png, .exr or .npy, or -", kFile, kRender | kVerify | kDiff, [](Options& o, const std::string& v) {
          if (v.empty()) throw Refused{};
          o.output = v;
      }},
-    {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff, [](Options& o, const std::string&) { o.noClobber = true; }},
+    {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff | kMeasure, [](Options& o, const std::string&) { o.noClobber = true; }},
     {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480; bench: 1920x1080", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw | kBench, setSize},
     {"--shading", "MODE", "how faces are shaded", "the scene's, else phong", "wire, unlit, flat, gouraud, phong",
      {"wire", "unlit", "flat", "gouraud", "phong"}, kDraw,
@@ -250,6 +260,22 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) {
          o.progress = oneOf<ProgressMode>(v, {{"auto", ProgressMode::automatic}, {"bar", ProgressMode::bar}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}});
      }},
+    {"--axis", "LIST", "measure the choices of these axes, by commas", "all", "names of axes, by commas; `plumb measure SCENE` lists them", kNoWords, kMeasure,
+     [](Options& o, const std::string& v) {
+         for (const auto part : split(v, ',')) {
+             if (part.empty()) throw Refused{};
+             o.axes.emplace_back(part);
+         }
+     },
+     true},
+    {"--limit", "TIME", "end after this time; choices that it leaves no time for are cut and listed", "120s", "a time with ms, s or min, at least 1ms, e.g. 90s", kNoWords, kMeasure, setLimit},
+    {"--repetitions", "N", "times that each choice is drawn; ratios need at least 2", "7", "a whole number, 1 to 1000", kNoWords, kMeasure,
+     [](Options& o, const std::string& v) { o.repetitions = number<uint32_t>(v, 1, 1000); }},
+    {"--csv", "[=FILE]", "write the rows as CSV, to standard output or to FILE", "", "a path", kFile, kMeasure,
+     [](Options& o, const std::string& v) {
+         o.csv = true;
+         o.csvFile = v == "-" ? "" : v;
+     }},
     {"--with-error", "", "measure the picture against its truth in binary64: largest error and where, p99, rms, wrong primitives", "", "", kNoWords, kRender,
      [](Options& o, const std::string&) { o.withError = true; }},
     {"--explain", "", "say which passes run, which were dropped and why; without -o nothing is drawn", "", "", kNoWords, kRender,
@@ -298,6 +324,12 @@ const std::vector<CommandRow> kCommands = {
      {{{"plumb diff a.png b.png", "every measure; exit 1 when a pixel differs"},
        {"plumb diff a.png b.png --gate 'max<=2/255' --gate 'flip<=0.02' -o diff.png --heat heat.png", "two gates, and pictures of where"},
        {"plumb diff a.exr b.exr --plane depth --gate 'depth.ulp<=4' --json", "one plane of two EXRs, the report on standard output"}}}},
+    {kMeasure, "measure", "SCENE|MESH...", "measure what speed costs in accuracy",
+     "Draws the scene in every way that there is, one choice changed at a time, and prints the time of each (median, least, largest of interleaved repetitions) and its error against a truth computed in binary64. "
+     "Rows that nothing beats in both are marked. An axis whose choice does not exist in this version is listed as absent.",
+     {{{"plumb measure scene.toml", "all axes, at most two minutes"},
+       {"plumb measure mug.obj --axis shading,samples --size 320x240 --csv=mug.csv", "two axes, the rows as CSV"},
+       {"plumb measure scene.toml --limit 30s --json=measure.json", "less time, with a report for programs"}}}},
     {kDevices, "devices", "", "list what can draw",
      "Lists what the Vulkan loader finds, what would be picked and why not the others, and what the start-up self-test says.",
      {{{"plumb devices", "a list to read"},
@@ -332,7 +364,7 @@ const std::vector<CommandRow> kCommands = {
 };
 
 // Reserved by the design for later versions, so that nothing else takes the words.
-constexpr std::array kLater = {"measure", "plan", "stress", "view", "merge", "worker", "report"};
+constexpr std::array kLater = {"plan", "stress", "view", "merge", "worker", "report"};
 
 constexpr std::array<ExitRow, 10> kExitCodes = {{{0, "done, and every gate held"},
                                                  {1, "compared, and different"},

@@ -15,7 +15,7 @@
 
 namespace plumb {
 
-enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kDiff = 32, kMatrix = 128, kBench = 256, kEveryCommand = 63 | kMatrix | kBench };
+enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kDiff = 32, kMeasure = 64, kMatrix = 128, kBench = 256, kEveryCommand = 127 | kMatrix | kBench };
 
 enum class ProgressMode { automatic, bar, plain, json, none };
 enum class Aov { colour, linear, depth, distance, normal, objectId, primitiveId };
@@ -67,6 +67,12 @@ struct Options {
     bool json = false;
     std::string jsonFile;                   // empty: stdout
     ProgressMode progress = ProgressMode::automatic;
+    std::vector<std::string> axes;          // of measure; empty: all
+    double limitMs = 120000;                // of a measurement
+    uint32_t repetitions = 7;
+    bool csv = false;
+    std::string csvFile;                    // empty: stdout
+
     bool withError = false;
     bool explain = false, quiet = false;
     uint32_t verbose = 0;

@@ -14,6 +14,7 @@ using Json = nlohmann::ordered_json;  // keys in the order in which docs/outputs
 Exit renderCommand(const Options&);
 Exit verifyCommand(const Options&);
 Exit diffCommand(const Options&);
+Exit measureCommand(const Options&);
 Exit devicesCommand(const Options&);
 Exit infoCommand(const Options&);
 Exit matrixCommand(const Options&);

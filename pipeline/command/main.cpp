@@ -26,6 +26,7 @@ plumb::Exit run(const plumb::Options& options) {
         case kRender: return renderCommand(options);
         case kVerify: return verifyCommand(options);
         case kDiff: return diffCommand(options);
+        case kMeasure: return measureCommand(options);
         case kDevices: return devicesCommand(options);
         case kInfo: return infoCommand(options);
         case kMatrix: return matrixCommand(options);

@@ -4,6 +4,7 @@
 
 usage: command_test.py PLUMB PLUMB_FAULTY [unittest arguments]   (PLUMB_FAULTY: tests/frame/faulty_renderer.cpp)
 """
+import csv
 import json
 import os
 import shutil
@@ -377,6 +378,62 @@ class Bench(Command):
         self.expect(2, "bench", "matrix", "1.5", says="is no count")
         self.expect(3, "bench", "raster", "nothing.obj", says="nothing.obj")
         self.expect(4, "bench", "matrix", "1000", says="there is none", env=NONE)
+
+
+class Measure(Command):
+    def test_rows_have_times_and_errors(self):
+        done = self.twin(0, "measure", "cube.obj", "--axis", "shading,samples", "--axis", "specular", "--repetitions", "3", "--json", "--csv=m.csv")
+        report = json.loads(done.stdout)
+        self.assertEqual(report["schema"], "plumb-measure-1")
+        self.assertEqual(report["cut"], [])
+        self.assertEqual(report["truth"]["samples"], 16)
+        for key in ("device", "cpu", "threads", "load", "build", "scene", "size", "repetitions", "interleaved", "date"):
+            self.assertIn(key, report["context"])
+        rows = {(r["axis"], r["choice"]): r for r in report["rows"]}
+        self.assertEqual({a for a, _ in rows}, {"shading", "samples", "specular"})
+        for row in rows.values():
+            if row["absent"]:
+                self.assertTrue(row["why"])
+                self.assertIsNone(row["timeMs"])
+                continue
+            self.assertEqual(row["timeMs"]["n"], 3)
+            self.assertTrue(row["timeMs"]["min"] <= row["timeMs"]["median"] <= row["timeMs"]["max"])
+            if row["choice"] == "wire":
+                self.assertIsNone(row["error"])
+                continue
+            self.assertTrue(0 < row["error"]["rms"] <= row["error"]["max"] <= 1)
+            self.assertTrue(0 < row["errorAtItsSamples"]["unrounded"]["max"])
+        self.assertEqual(rows["shading", "phong"]["ratio"], 1)
+        self.assertTrue(rows["shading", "phong"]["baseline"] and rows["samples", "1"]["baseline"])
+        self.assertGreater(rows["samples", "1"]["error"]["rms"], rows["samples", "16"]["error"]["rms"])
+        on_front = {(r["axis"], r["choice"]) for r in report["rows"] if r["onFront"]}
+        self.assertTrue({(f["axis"], f["choice"]) for f in report["front"]} <= on_front)
+        with open(os.path.join(self.folder, "m.csv"), newline="", encoding="utf-8") as f:
+            table = list(csv.DictReader(f))
+        self.assertEqual([(r["axis"], r["choice"]) for r in table], [(r["axis"], r["choice"]) for r in report["rows"]])
+        for line, row in zip(table, report["rows"]):
+            self.assertNotIn(None, line)
+            if not row["absent"] and row["error"]:
+                self.assertEqual(float(line["error_rms"]), row["error"]["rms"])
+                self.assertEqual(float(line["time_ms_median"]), row["timeMs"]["median"])
+
+    def test_no_ratio_without_repetitions(self):
+        report = json.loads(self.twin(0, "measure", "cube.obj", "--axis", "shading", "--repetitions", "1", "--json").stdout)
+        self.assertTrue(all(r["ratio"] is None for r in report["rows"]))
+
+    def test_refusals_are_one_line_and_write_nothing(self):
+        for arguments, says in ((["--axis", "shadings"], "shadings"), (["--axis", "shading,,samples"], "--axis"), (["--limit", "5"], "--limit"), (["--limit", "0s"], "--limit"),
+                                (["--repetitions", "0"], "--repetitions"), (["--shading", "wire"], "wire"), (["--view", "iso", "--view", "top"], "--view"),
+                                (["--json", "--csv"], "--csv")):
+            done = self.twin(2, "measure", "cube.obj", *arguments, "--json=r.json" if "--json" not in arguments else "-q", says=says)
+            self.assertEqual(done.stderr.count(b"\n"), 1, done.stderr)
+            self.assertEqual(done.stdout, b"")
+        self.assertEqual(self.files(), ["cube.obj"])
+
+    def test_limit_cuts_and_lists(self):
+        report = json.loads(self.twin(0, "measure", "cube.obj", "--limit", "1ms", "--json").stdout)
+        self.assertTrue(report["cut"])
+        self.assertTrue(all(c["why"] for c in report["cut"]))
 
 
 class Telling(Command):

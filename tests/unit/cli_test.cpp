@@ -93,7 +93,7 @@ TEST(Options, AreRefusedWithAReason) {
         {"diff a b --heat x.exr", "--heat"},
         {"diff a b --size 3x3", "--size is not a flag of `plumb diff`"},
         {"render a.obj -o a.png --gate max<=1", "--gate is not a flag of `plumb render`"},
-        {"measure x", "'measure' is not in this version"},
+        {"plan x", "'plan' is not in this version"},
         {"plan x", "not in this version"},
         {"bench", "needs raster|matrix"},
         {"stress", "not in this version"},

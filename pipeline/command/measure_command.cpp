@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+// plumb measure: every choice against one truth, with its time. JSON: docs/outputs.md and docs/measure.md.
+#include "pipeline/cli/progress.h"
+#include "pipeline/command/command.h"
+#include "pipeline/command/error_report.h"
+#include "pipeline/command/interrupt.h"
+#include "pipeline/command/report.h"
+#include "pipeline/command/request.h"
+#include "pipeline/command/views.h"
+#include "pipeline/image/image.h"
+#include "pipeline/measure/measure.h"
+#include "pipeline/scene/text.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <array>
+#include <cstdlib>
+#include <ctime>
+
+namespace plumb {
+namespace {
+
+std::array<double, 3> loadAverages() {
+    std::array<double, 3> load{};
+    if (::getloadavg(load.data(), 3) != 3) load = {-1, -1, -1};
+    return load;
+}
+
+Json loadJson(const std::array<double, 3>& load) { return load[0] < 0 ? Json() : Json(load); }
+
+Json timesJson(const Times& t) {
+    return {{"median", t.median()}, {"min", t.min()}, {"max", t.max()}, {"n", t.ms.size()}};
+}
+
+Json passesJson(const MeasuredRun& run) {
+    Json json = Json::object();
+    for (const auto& [pass, times] : run.passes) json[pass] = times.median();
+    return json;
+}
+
+// Null where there is nothing to say; a ratio only of repeated times.
+Json ratioJson(const MeasuredRun& run, const MeasuredRun& base) {
+    return run.total.ms.size() < 2 ? Json() : Json(run.total.median() / base.total.median());
+}
+
+Json rowJson(const Row& row, const Measurement& m) {
+    Json json;
+    json["axis"] = row.axis->name;
+    json["choice"] = row.choice->name;
+    json["what"] = row.choice->apply != nullptr ? Json(row.choice->why) : Json();
+    json["baseline"] = row.baseline;
+    json["absent"] = !row.run;
+    json["why"] = row.why.empty() ? Json() : Json(row.why);
+    json["verdict"] = row.run ? Json(nameOf(row.choice->verdict)) : Json();
+    json["timeMs"] = json["ratio"] = json["passesMs"] = json["error"] = json["errorAtItsSamples"] = Json();
+    json["bound"] = json["boundKind"] = Json();  // no choice has a bound proved for whole pictures
+    if (row.run) {
+        const MeasuredRun& run = m.runs[*row.run];
+        json["timeMs"] = timesJson(run.total);
+        json["ratio"] = ratioJson(run, m.runs[0]);
+        json["passesMs"] = passesJson(run);
+        if (run.error) {
+            json["error"] = errorJson(*run.error, false);
+            json["errorAtItsSamples"] = errorJson(*run.alike, true);
+            for (const char* key : {"wrongPrimitive", "wrongPrimitiveShare", "wrongPrimitiveAt", "depthRelative"})
+                json["error"][key] = json["errorAtItsSamples"][key];
+        }
+    }
+    json["onFront"] = row.onFront;
+    return json;
+}
+
+Json contextJson(const Renderer& renderer, const Scene& scene, const std::vector<SourceFile>& sources,
+                 const MeasurePlan& plan, const Measurement& m, const std::array<double, 3>& loadBefore) {
+    const Json host = hostJson(), tool = toolJson();
+    Json json;
+    json["device"] = renderer.json();
+    json["cpu"] = host["cpu_model"];
+    json["threads"] = host["threads"];
+    json["load"] = loadJson(loadBefore);
+    json["loadAfter"] = loadJson(loadAverages());
+    json["build"] = {{"version", tool["version"]},
+                     {"git", tool["git"]},
+                     {"compiler", __VERSION__},
+#ifdef NDEBUG
+                     {"type", "release"}
+#else
+                     {"type", "debug"}
+#endif
+    };
+    json["scene"] = sceneJson(scene, sources);
+    json["size"] = {plan.base.request.width, plan.base.request.height};
+    json["samples"] = plan.base.request.samples;
+    json["options"] = {{"shading", nameOf(plan.base.request.shading)},
+                       {"encoding", nameOf(plan.base.request.encoding)},
+                       {"transparent", plan.base.request.transparent}};
+    json["repetitions"] = m.repetitions;
+    json["interleaved"] = true;
+    json["limitMs"] = plan.limitMs;
+    json["totalMs"] = m.totalMs;
+    json["date"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+    return json;
+}
+
+Json measurementJson(const Measurement& m, Json context) {
+    Json json;
+    json["schema"] = "plumb-measure-1";
+    json["tool"] = toolJson();
+    json["context"] = std::move(context);
+    json["truth"] = truthJson(m.truth);
+    json["baseline"] = {{"choices", wordsOf(m.runs[0].setting)},
+                        {"timeMs", timesJson(m.runs[0].total)},
+                        {"passesMs", passesJson(m.runs[0])}};
+    json["baseline"]["error"] = m.runs[0].error ? errorJson(*m.runs[0].error, false) : Json();
+    json["rows"] = Json::array();
+    for (const Row& row : m.rows) json["rows"].push_back(rowJson(row, m));
+    json["frontBy"] = {"timeMs.median", "error.rms"};
+    json["front"] = Json::array();
+    for (const size_t i : m.front)
+        json["front"].push_back({{"axis", m.rows[i].axis->name}, {"choice", m.rows[i].choice->name}});
+    json["cut"] = Json::array();
+    for (const Row& row : m.cut)
+        json["cut"].push_back(
+            {{"axis", row.axis->name},
+             {"choice", row.choice->name},
+             {"why", fmt::format("no time left of --limit {:g}s", json["context"]["limitMs"].get<double>() / 1000)}});
+    return json;
+}
+
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+}
+
+// The same figures as the rows of the JSON; errors in shares of full scale.
+std::string csvOf(const Measurement& m) {
+    std::string text =
+        "axis,choice,baseline,absent,verdict,time_ms_median,time_ms_min,time_ms_max,n,ratio,error_max,error_max_x,"
+        "error_max_y,error_p99,error_mean,error_rms,"
+        "wrong_primitive_share,error_at_its_samples_rms,unrounded_at_its_samples_max,on_front,why\n";
+    for (const Row& row : m.rows) {
+        text += fmt::format("{},{},{:d},{:d},{},", row.axis->name, row.choice->name, row.baseline, !row.run,
+                            row.run ? nameOf(row.choice->verdict) : "");
+        if (row.run) {
+            const MeasuredRun& run = m.runs[*row.run];
+            text += fmt::format(
+                "{},{},{},{},{},", run.total.median(), run.total.min(), run.total.max(), run.total.ms.size(),
+                run.total.ms.size() < 2 ? "" : fmt::format("{}", run.total.median() / m.runs[0].total.median()));
+            if (run.error) {
+                const ErrorFigures& e = run.error->picture;
+                text += fmt::format("{},{},{},{},{},{},{},{},{},", e.max / 255, e.x, e.y, e.p99 / 255, e.mean / 255,
+                                    e.rms / 255, run.alike->wrongShare(), run.alike->picture.rms / 255,
+                                    run.alike->unrounded.max / 255);
+            } else {
+                text += ",,,,,,,,,";
+            }
+        } else {
+            text += ",,,,,,,,,,,,,,";
+        }
+        text += fmt::format("{:d},{}\n", row.onFront, row.why.empty() ? "" : quoted(row.why));
+    }
+    for (const Row& row : m.cut)
+        text += fmt::format("{},{},0,1,,,,,,,,,,,,,,,,0,\"cut by --limit\"\n", row.axis->name, row.choice->name);
+    return text;
+}
+
+std::string tableOf(const Measurement& m, const std::string& title, const std::array<double, 3>& load) {
+    std::string text = fmt::format("{}, {} repetitions interleaved, load {:.2f}\n", title, m.repetitions, load[0]);
+    text += fmt::format(
+        "error against the truth of {} samples a pixel, in steps of 1/255 of the sRGB code; 'alone': at the picture's "
+        "own samples, before rounding to bytes\n",
+        m.truth.samples);
+    text += fmt::format("  {:<14} {:<17} {:>9} {:>20} {:>7} {:>9} {:>8} {:>8} {:>10} {:>9}\n", "axis", "choice",
+                        "median ms", "min .. max", "ratio", "max", "p99", "rms", "alone rms", "wrong");
+    for (const Row& row : m.rows) {
+        text += fmt::format("{} {:<14} {:<17} ", row.onFront ? '*' : ' ', row.axis->name,
+                            std::string(row.choice->name) + (row.baseline ? " (default)" : ""));
+        if (!row.run) {
+            text += fmt::format("absent: {}\n", row.why);
+            continue;
+        }
+        const MeasuredRun& run = m.runs[*row.run];
+        text += fmt::format(
+            "{:>9.2f} {:>20} {:>7} ", run.total.median(),
+            fmt::format("{:.2f} .. {:.2f}", run.total.min(), run.total.max()),
+            run.total.ms.size() < 2 ? "" : fmt::format("{:.3f}", run.total.median() / m.runs[0].total.median()));
+        if (run.error)
+            text += fmt::format("{:>9.3f} {:>8.3f} {:>8.3f} {:>10.5f} {:>8.3f}%\n", run.error->picture.max,
+                                run.error->picture.p99, run.error->picture.rms, run.alike->unrounded.rms,
+                                100 * run.alike->wrongShare());
+        else
+            text += fmt::format("no error: {}\n", row.why);
+    }
+    for (const Row& row : m.cut)
+        text += fmt::format("  {:<14} {:<17} cut: no time left of --limit\n", row.axis->name, row.choice->name);
+    text += "* on the front: nothing is both faster and nearer to the truth (median, rms)\n";
+    return text;
+}
+
+std::vector<const Axis*> axesOf(const Options& options) {
+    std::vector<const Axis*> chosen;
+    for (const std::string& name : options.axes) {
+        const Axis& axis = axisOf(name);
+        if (std::find(chosen.begin(), chosen.end(), &axis) == chosen.end()) chosen.push_back(&axis);
+    }
+    if (chosen.empty())
+        for (const Axis& axis : axes()) chosen.push_back(&axis);
+    return chosen;
+}
+
+}  // namespace
+
+Exit measureCommand(const Options& options) {
+    MeasurePlan plan;
+    plan.axes = axesOf(options);
+    plan.limitMs = options.limitMs;
+    plan.repetitions = options.repetitions;
+    if (options.views.size() > 1) throw usageError("measure looks from one place: give --view once at most");
+    for (const std::string& file : {options.jsonFile, options.csvFile})
+        if (!file.empty()) checkWritable(file, options.noClobber);
+    if (options.json && options.csv && options.jsonFile == options.csvFile)
+        throw usageError("--json and --csv both want the same place: name a file for one of them");
+
+    Scene scene = loadScene({options.inputs.begin(), options.inputs.end()}, loadOptionsOf(options));
+    const std::vector<SourceFile> sources = sourcesOf(options.inputs);
+    const glm::uvec2 size = sizeOf(scene, options);
+    const std::vector<Viewpoint> views = viewsOf(scene, size, options);
+    scene.camera = views[0].camera;
+    scene.lights = views[0].lights;
+
+    Renderer renderer(options);
+    if (!renderer.choice().advice.empty())
+        say(options, fmt::format("plumb: {}\n{}", renderer.choice().reason, renderer.choice().advice));
+    for (const std::string& fallback : renderer.fallbacks()) fmt::print(stderr, "plumb: {}\n", fallback);
+    plan.deviceThere = renderer.device() != nullptr;
+    plan.base.request = requestOf(options, scene, size);
+    if (plan.base.request.shading == Shading::wire)
+        throw usageError("--shading: wire has no truth to be measured against; it is a row of the axis 'shading'");
+    plan.base.request.onProgress = [](double) { return interruptedBy() == 0; };
+    plan.base.twin = !plan.deviceThere;
+    plan.draw = [&renderer](const Scene& drawn, const Setting& setting) {
+        stopIfInterrupted();
+        // No fallback here: a time of something else would be a lie.
+        return setting.twin ? renderCpu(drawn, setting.request) : renderGpu(*renderer.device(), drawn, setting.request);
+    };
+    Progress progress(options.progress, options.quiet);
+    progress.begin("measure");
+    plan.onProgress = [&progress](double fraction) {
+        progress.update(fraction);
+        stopIfInterrupted();
+    };
+    const std::array<double, 3> load = loadAverages();
+    const Measurement m = measure(scene, plan);
+    progress.clear();
+    renderer.checkValidation();
+
+    const std::string title =
+        fmt::format("{} {}x{} on {}", printable(options.inputs[0]), size.x, size.y, renderer.name());
+    const std::string table = tableOf(m, title, load), csv = options.csv ? csvOf(m) : "";
+    const bool dataElsewhere = (options.json && options.jsonFile.empty()) || (options.csv && options.csvFile.empty());
+    if (!dataElsewhere)
+        printData(table);
+    else
+        say(options, table.substr(0, table.size() - 1));
+    if (options.csv && options.csvFile.empty()) printData(csv);
+    if (options.csv && !options.csvFile.empty())
+        writeFileAtomically(options.csvFile, std::as_bytes(std::span(csv)), options.noClobber);
+    writeJson(options, {measurementJson(m, contextJson(renderer, scene, sources, plan, m, load))});
+    return Exit::done;
+}
+
+}  // namespace plumb

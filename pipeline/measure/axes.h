@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// The knobs that trade speed for accuracy: one axis each, with its choices. What a renderer could offer and this one does not is listed as absent.
+#pragma once
+
+#include "pipeline/render/render.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace plumb {
+
+// One way to draw the scene.
+struct Setting {
+    RenderRequest request;
+    bool twin = false;  // the CPU twin draws, not the device
+};
+
+// The choices of a setting as words: equal words, equal work.
+std::string wordsOf(const Setting&);
+
+enum class Verdict { bits, bounded, free };
+const char* nameOf(Verdict);
+
+struct Choice {
+    const char* name;
+    Verdict verdict;          // docs/accuracy.md
+    void (*apply)(Setting&);  // null: absent
+    const char* why;          // absent: why; else what it does
+};
+
+struct Axis {
+    const char* name;
+    const char* what;  // one line for people
+    std::vector<Choice> choices;
+};
+
+std::span<const Axis> axes();
+// Throws Error(usage) with the accepted names.
+const Axis& axisOf(const std::string& name);
+
+}  // namespace plumb

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+// What measure promises about its rows, rounds, limits and front, with the twin as the only renderer.
+#include "pipeline/measure/measure.h"
+#include "host/error.h"
+#include "pipeline/measure/pareto.h"
+#include "tests/support/scenes.h"
+
+#include <gtest/gtest.h>
+#include <cmath>
+#include <set>
+
+namespace plumb {
+namespace {
+
+TEST(Pareto, IsWhatBruteForceFinds) {
+    test::Random random(1);
+    for (int trial = 0; trial < 300; ++trial) {
+        std::vector<TradePoint> points(random.below(20));
+        // Few distinct values, so that ties and equal points are common.
+        for (TradePoint& p : points) p = {double(random.below(6)), double(random.below(6))};
+        std::set<size_t> expected;
+        for (size_t i = 0; i < points.size(); ++i) {
+            bool beaten = false;
+            for (const TradePoint& q : points)
+                beaten |= q.time <= points[i].time && q.error <= points[i].error &&
+                          (q.time < points[i].time || q.error < points[i].error);
+            if (!beaten) expected.insert(i);
+        }
+        const std::vector<size_t> front = paretoFront(points);
+        EXPECT_EQ(std::set<size_t>(front.begin(), front.end()), expected);
+        EXPECT_EQ(front.size(), expected.size());
+        for (size_t i = 1; i < front.size(); ++i) EXPECT_LE(points[front[i - 1]].time, points[front[i]].time);
+    }
+}
+
+TEST(Times, HaveMedianMinAndMax) {
+    EXPECT_EQ((Times{{5, 1, 3}}).median(), 3);
+    EXPECT_EQ((Times{{5, 1, 3, 2}}).median(), 2.5);
+    EXPECT_EQ((Times{{5, 1, 3}}).min(), 1);
+    EXPECT_EQ((Times{{5, 1, 3}}).max(), 5);
+}
+
+TEST(Axes, HaveDistinctNamesAndReasons) {
+    std::set<std::string> names;
+    for (const Axis& axis : axes()) {
+        EXPECT_TRUE(names.insert(axis.name).second) << axis.name;
+        EXPECT_EQ(&axisOf(axis.name), &axis);
+        std::set<std::string> choices;
+        for (const Choice& choice : axis.choices) {
+            EXPECT_TRUE(choices.insert(choice.name).second) << axis.name;
+            EXPECT_STRNE(choice.why, "") << axis.name << ' ' << choice.name;
+        }
+    }
+    for (const char* name : {"shading", "fill", "interpolation", "specular", "normals", "light-vector", "transform",
+                             "depth", "encode", "samples", "trace", "rate", "subpixel"})
+        EXPECT_NO_THROW(axisOf(name)) << "the product names this axis";
+    try {
+        axisOf("shadings");
+        FAIL() << "accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.exit(), Exit::usage);
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+}
+
+// The twin draws; `log` gets the words of each plain draw, in order.
+MeasurePlan planOf(std::vector<std::string>* log) {
+    MeasurePlan plan;
+    plan.base.request.width = 96;
+    plan.base.request.height = 64;
+    plan.base.twin = true;
+    plan.deviceThere = false;
+    plan.repetitions = 3;
+    for (const Axis& axis : axes()) plan.axes.push_back(&axis);
+    plan.draw = [log](const Scene& scene, const Setting& setting) {
+        if (log && setting.request.planes == kPlaneColour) log->push_back(wordsOf(setting));
+        return renderCpu(scene, setting.request);
+    };
+    return plan;
+}
+
+Scene suzanne() { return test::committed(std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes/suzanne.toml", {96, 64}); }
+
+TEST(Measure, TimesAllInTurnAndComparesEachWithTheTruth) {
+    std::vector<std::string> log;
+    const MeasurePlan plan = planOf(&log);
+    const Measurement m = measure(suzanne(), plan);
+    EXPECT_TRUE(m.cut.empty());
+    EXPECT_EQ(m.repetitions, 3u);
+    EXPECT_EQ(m.truth.samples, 16u);
+    const size_t runs = m.runs.size();
+    EXPECT_GE(runs, 8u);
+    // One warm-up each, then three rounds, each with every run once and in the same order.
+    ASSERT_EQ(log.size(), 4 * runs);
+    for (size_t i = 0; i < log.size(); ++i) EXPECT_EQ(log[i], wordsOf(m.runs[i % runs].setting));
+
+    std::set<std::string> seen;
+    size_t choices = 0, defaults = 0, fronts = 0;
+    for (const Axis& axis : axes()) choices += axis.choices.size();
+    EXPECT_EQ(m.rows.size(), choices);
+    for (const Row& row : m.rows) {
+        const std::string name = std::string(row.axis->name) + " " + row.choice->name;
+        EXPECT_TRUE(seen.insert(name).second);
+        defaults += row.baseline;
+        fronts += row.onFront;
+        if (!row.run) {
+            EXPECT_FALSE(row.why.empty()) << name;
+            EXPECT_FALSE(row.onFront) << name;
+            continue;
+        }
+        const MeasuredRun& run = m.runs[*row.run];
+        EXPECT_EQ(run.total.ms.size(), 3u) << name;
+        EXPECT_FALSE(run.passes.empty()) << name;
+        EXPECT_EQ(run.error.has_value(), name != "shading wire");
+        if (!run.error) continue;
+        // 0 would mean that something is compared with itself.
+        EXPECT_GT(run.error->linear.max, 0) << name;
+        EXPECT_GT(run.alike->linear.max, 0) << name;
+        EXPECT_GT(run.alike->unrounded.rms, 0) << name;
+        EXPECT_GT(run.error->picture.rms, 0) << name;
+    }
+    EXPECT_GE(defaults, 5u);
+    EXPECT_TRUE(seen.count("renderer device"));
+    // By brute force, over the rows: nothing is both faster and nearer than a row of the front, and something is than any other.
+    EXPECT_GE(fronts, m.front.size());
+    for (const Row& row : m.rows) {
+        if (!row.run || !m.runs[*row.run].error) continue;
+        const auto beats = [&](const MeasuredRun& a, const MeasuredRun& b) {
+            const double ta = a.total.median(), tb = b.total.median(), ea = a.error->picture.rms,
+                         eb = b.error->picture.rms;
+            return ta <= tb && ea <= eb && (ta < tb || ea < eb);
+        };
+        bool beaten = false;
+        for (const MeasuredRun& other : m.runs) beaten |= other.error && beats(other, m.runs[*row.run]);
+        EXPECT_EQ(row.onFront, !beaten) << row.axis->name << ' ' << row.choice->name;
+    }
+    for (size_t i = 1; i < m.front.size(); ++i)
+        EXPECT_LE(m.runs[*m.rows[m.front[i - 1]].run].total.median(), m.runs[*m.rows[m.front[i]].run].total.median());
+}
+
+TEST(Measure, CutsAndListsWhatTheLimitLeavesNoTimeFor) {
+    MeasurePlan plan = planOf(nullptr);
+    plan.limitMs = 1;
+    const Measurement m = measure(suzanne(), plan);
+    EXPECT_FALSE(m.cut.empty());
+    size_t choices = 0, timed = 0;
+    for (const Axis& axis : axes()) choices += axis.choices.size();
+    EXPECT_EQ(m.rows.size() + m.cut.size(), choices);
+    for (const Row& row : m.cut) EXPECT_FALSE(row.baseline);
+    for (const Row& row : m.rows) timed += row.run.has_value();
+    EXPECT_GT(timed, 0u) << "the default picture is always measured";
+    EXPECT_EQ(m.repetitions, 2u);
+    EXPECT_EQ(m.runs[0].total.ms.size(), 2u);
+}
+
+TEST(Measure, RefusesPicturesThatCannotBeTrusted) {
+    MeasurePlan plan = planOf(nullptr);
+    plan.draw = [](const Scene& scene, const Setting& setting) {
+        RenderResult r = renderCpu(scene, setting.request);
+        if (!r.frame.linear.empty()) r.frame.linear[100] = std::nanf("");
+        return r;
+    };
+    EXPECT_THROW(measure(suzanne(), plan), Error);
+    plan.draw = [](const Scene& scene, const Setting& setting) {
+        RenderResult r = renderCpu(scene, setting.request);
+        if (r.frame.linear.empty()) r.frame.rgba[100] ^= 1;
+        return r;
+    };
+    EXPECT_THROW(measure(suzanne(), plan), Error);
+}
+
+}  // namespace
+}  // namespace plumb
