@@ -238,7 +238,7 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
     };
     static_assert(std::size(rows) >= 60);
     for (const Bad& row : rows) {
-        std::string got = refusal(row.name, row.bytes);
+        const std::string got = refusal(row.name, row.bytes);
         EXPECT_EQ(got.substr(0, std::strlen(row.message)), row.message) << "whole message: " << got;
         EXPECT_TRUE(hasPlace(got)) << got;
         EXPECT_LT(got.size(), 500u) << "long words are cut";
@@ -268,7 +268,7 @@ TEST(SceneRefusals, OfAMaterialLibraryNameItsOwnPlace) {
         const TemporaryFolder folder;
         folder.write("a.mtl", text);
         const fs::path path = folder.write("a.obj", "mtllib a.mtl\n" + kVertices + "f 1 2 3\n");
-        std::string got = refusalOf(folder, [&] { readObj(path, {}); });
+        const std::string got = refusalOf(folder, [&] { readObj(path, {}); });
         EXPECT_EQ(got.substr(0, std::strlen(want)), want) << got;
     }
 }
@@ -309,7 +309,7 @@ TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
     };
     for (const Field& field : fields)
         for (const char* value : {"nan", "-nan", "NaN", "inf", "-inf", "Infinity", "1e39", "-1e39", "1e31", "1e99999999999999999999"}) {
-            std::string got = refusal(field.name, field.before + value + field.after);
+            const std::string got = refusal(field.name, field.before + value + field.after);
             EXPECT_TRUE(hasPlace(got)) << got;
             EXPECT_NE(got.find(field.field), std::string::npos) << field.before << value << ": " << got;
         }
@@ -319,7 +319,7 @@ TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
         for (size_t number = 0; number < 12; ++number) {
             std::string bytes = binarySolid();
             std::memcpy(bytes.data() + 84 + 4 * number, &pattern, 4);
-            std::string got = refusal("a.stl", bytes);
+            const std::string got = refusal("a.stl", bytes);
             const std::string what = number < 3 ? fmt::format("normal {}", "xyz"[number]) : fmt::format("vertex {} {}", number / 3, "xyz"[number % 3]);
             EXPECT_TRUE(got.starts_with(fmt::format("a.stl: byte {}: {} is ", 84 + 4 * number, what))) << got;
         }
@@ -372,7 +372,7 @@ TEST(SceneRefusals, FilesCutAtEveryByteAreRefusedOrComplete) {
         ASSERT_EQ(refusal(name, bytes), "") << "the seed itself is good";
         for (size_t length = 0; length < bytes.size(); ++length, ++files) {
             const std::string cut = bytes.substr(0, length);
-            std::string got = expectRefusedOrSound(name, cut, fmt::format("{} cut to {} bytes", name, length));
+            const std::string got = expectRefusedOrSound(name, cut, fmt::format("{} cut to {} bytes", name, length));
             if (name.ends_with(".obj")) continue;   // has no end that could be missing
             // Other formats say how much there is: accepted is only what lacks white space or a name at the very end.
             if (got.empty()) {
@@ -471,7 +471,7 @@ TEST(SceneRefusals, OnlyRegularFilesAreOpened) {
         {"\x1b[31mred\x07.obj", "\\x1b[31mred\\x07.obj: No such file or directory"},
     };
     for (const auto& [name, want] : rows) {
-        std::string got = refusalOf(folder, [&, &name = name] {
+        const std::string got = refusalOf(folder, [&, &name = name] {
             Scene scene;
             addMeshFile(scene, folder.path() / name, {});
         });
@@ -505,7 +505,7 @@ TEST(SceneRefusals, ReferencesStayInTheFolderOfTheFileThatNamesThem) {
     for (const std::string& library : {std::string("../secret.mtl"), std::string("sub/../../secret.mtl"), std::string("sub/../sub/a.mtl"), std::string("/etc/passwd"),
                                        (outer.path() / "secret.mtl").string(), std::string("link.mtl"), std::string("up/secret.mtl"),
                                        std::string("up/inside2/a.mtl"), std::string("zero.mtl"), std::string("..")}) {
-        std::string got = load(library, false);
+        const std::string got = load(library, false);
         EXPECT_TRUE(got.starts_with("inside/a.obj:1:8: material library '")) << library << ": " << got;
         EXPECT_NE(got.find("--allow-outside"), std::string::npos) << got;
     }
@@ -534,7 +534,7 @@ TEST(SceneRefusals, NumbersAreReadWithoutALocale) {
     };
     const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
     std::setlocale(LC_ALL, "");
-    std::string got = refusal("a.obj", kVertices + "v 1234.5 2 3\nf 1 2 4\nf 1 2 1234567\n");
+    const std::string got = refusal("a.obj", kVertices + "v 1234.5 2 3\nf 1 2 4\nf 1 2 1234567\n");
     std::locale::global(before);
     std::setlocale(LC_ALL, "C");
     EXPECT_EQ(got, "a.obj:6:7: face corner: the vertex index is out of range; 4 are defined");
@@ -555,7 +555,7 @@ TEST(SceneRefusals, NumbersAreReadWithoutALocale) {
 }
 
 TEST(SceneRefusals, AMeshTooSmallToDrawIsRefused) {
-    std::string got = refusal("a.obj", "v 0 0 0\nv 1e-31 0 0\nv 0 1e-31 0\nf 1 2 3\n");
+    const std::string got = refusal("a.obj", "v 0 0 0\nv 1e-31 0 0\nv 0 1e-31 0\nf 1 2 3\n");
     EXPECT_NE(got.find("is 1e-31 across; the smallest that is drawn is 7.88861e-31"), std::string::npos) << got;
     EXPECT_EQ(refusal("a.obj", "v 0 0 0\nv 1e-30 0 0\nv 0 1e-30 0\nf 1 2 3\n"), "");
     EXPECT_EQ(refusal("a.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n"), "");
