@@ -176,6 +176,8 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) {
          o.shading = oneOf<Shading>(v, {{"wire", Shading::wire}, {"unlit", Shading::unlit}, {"flat", Shading::flat}, {"gouraud", Shading::gouraud}, {"phong", Shading::phong}});
      }},
+    {"--fill", "RULE", "which pixels a face covers: exact (8 sub-pixel bits, watertight) or the polygon fill of the lecture notes", "the scene's, else exact", "exact, notes",
+     {"exact", "notes"}, kDraw, [](Options& o, const std::string& v) { o.fill = oneOf<Fill>(v, {{"exact", Fill::exact}, {"notes", Fill::notes}}); }},
     {"--samples", "N", "samples a pixel, in an ordered grid", "1", "1, 4, 16", {"1", "4", "16"}, kDraw,
      [](Options& o, const std::string& v) { o.samples = oneOf<uint32_t>(v, {{"1", 1}, {"4", 4}, {"16", 16}}); }},
     {"--encode", "CURVE", "how linear light becomes bytes", "the scene's, else srgb", "srgb, linear", {"srgb", "linear"}, kDraw,
@@ -424,6 +426,8 @@ void checkTogether(const Options& o) {
     if (o.quiet && o.verbose != 0) throw usageError("-q and -v exclude each other");
     if (o.turntable != 0 && o.views.size() > 1) throw usageError("--turntable turns one view: give --view once at most");
     if (!o.views.empty() && (o.eye || o.at)) throw usageError("--view and --eye/--at exclude each other");
+    if (o.fill == Fill::notes && o.samples != 1) throw usageError("--fill notes draws one sample a pixel: leave --samples out");
+    if (o.fill && o.shading == Shading::wire) throw usageError("--fill and --shading wire exclude each other: a wire frame fills nothing");
     if (o.dimensions == 2 && o.spacePoints) throw usageError("--point: with --dimensions 2 a point has two numbers");
     if (o.dimensions == 3 && o.planePoints) throw usageError("--point: a point has three numbers, unless with --dimensions 2");
     if (o.command == kDiff && !o.output.empty() && o.output != "-" && !o.output.ends_with(".png")) throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, or -", printable(o.output)));
@@ -460,6 +464,7 @@ const char* nameOf(Shading shading) {
     static constexpr const char* kNames[] = {"wire", "unlit", "flat", "gouraud", "phong"};
     return kNames[size_t(shading)];
 }
+const char* nameOf(Fill f) { return f == Fill::notes ? "notes" : "exact"; }
 const char* nameOf(Encoding encoding) { return encoding == Encoding::srgb ? "srgb" : "linear"; }
 std::string versionText() { return PLUMB_VERSION; }
 

@@ -43,6 +43,7 @@ struct Options {
     bool noClobber = false;
     std::optional<glm::uvec2> size;
     std::optional<Shading> shading;
+    std::optional<Fill> fill;
     std::optional<Encoding> encoding;
     uint32_t samples = 1;
     std::optional<BackgroundFlag> background;
@@ -137,6 +138,7 @@ std::string completionScript(const std::string& shell);  // bash, zsh, fish
 
 // "640x480" etc. as printed in messages and JSON.
 const char* nameOf(Shading);
+const char* nameOf(Fill);
 const char* nameOf(Encoding);
 std::string versionText();                  // "0.1.0"
 

@@ -99,6 +99,7 @@ Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest&
     metadata["scene"] = names;
     metadata["scene_sha256"] = hashes;
     metadata["shading"] = nameOf(request.shading);
+    metadata["fill"] = nameOf(request.fill);
     metadata["samples"] = std::to_string(request.samples);
     metadata["encoding"] = nameOf(request.encoding);
     metadata["camera"] = cameraJson(view.camera).dump();
@@ -142,7 +143,7 @@ Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector
     json["scene"] = sceneJson(scene, sources);
     json["view"] = view.name;
     json["camera"] = cameraJson(view.camera);
-    json["options"] = {{"shading", nameOf(request.shading)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}, {"transparent", request.transparent}};
+    json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}, {"transparent", request.transparent}};
     json["plan"] = planJson(result.plan);
     json["time_ms"] = Json::object();  // filled when the picture is written
     json["image"] = imageJson(result.frame, facts, blank);
@@ -183,6 +184,7 @@ Exit renderCommand(const Options& options) {
     request.planes = plan.planes;
     if (options.withError) {
         if (request.shading == Shading::wire) throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
+        if (request.fill == Fill::notes) throw usageError("--with-error: the truth is sampled in the middle of pixels, and --fill notes samples whole coordinates");
         request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;  // which change no byte of the picture
     }
 

@@ -127,6 +127,8 @@ Json countersJson(const RenderCounters& c) {
             {"clipped", c.clipped},
             {"drawnTriangles", c.drawnTriangles},
             {"illuminations", c.illuminations},
+            {"polygons", c.polygons},
+            {"normals", c.normals},
             {"edges", c.edges},
             {"chunks", c.chunks},
             {"bands", c.bands},

@@ -38,6 +38,7 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     request.width = size.x;
     request.height = size.y;
     request.shading = options.shading.value_or(scene.shading.value_or(Shading::phong));
+    request.fill = options.fill.value_or(scene.fill.value_or(Fill::exact));
     request.encoding = options.encoding.value_or(scene.encoding.value_or(Encoding::srgb));
     request.samples = options.samples;
     request.background = scene.background.value_or(glm::vec3(0));

@@ -146,7 +146,7 @@ Exit verifyCommand(const Options& options) {
             json["scene"] = sceneJson(scene, sourcesOf(one.inputs));
             json["view"] = views[v].name;
             json["size"] = {size.x, size.y};
-            json["options"] = {{"shading", nameOf(request.shading)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}};
+            json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}};
             json["verify"] = jsonOf(report, written);
             json["plan"] = planJson(report.device.plan);
             json["time_ms"] = {{"twin", report.twin.totalMs}, {"device", report.device.totalMs}, {"total", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count()}};

@@ -33,7 +33,7 @@ bool DeviceRender::drawInPlace() {
     const DrawList& list = p_.list;
     const uint64_t chunk = std::min<uint64_t>(frame_.chunkTriangles(), request_.chunkTriangles ? request_.chunkTriangles : ~uint64_t(0));
     const bool oneBand = list.frame.height <= int(frame_.bandRows(0)) && request_.bandRows == 0;
-    if (request_.shading == Shading::wire || p_.side > 1 || list.triangles.empty() || list.triangles.size() > chunk || !oneBand) return false;
+    if (request_.shading == Shading::wire || request_.fill == Fill::notes || p_.side > 1 || list.triangles.empty() || list.triangles.size() > chunk || !oneBand) return false;
     result_.counters = p_.counters;
     try {
         frame_.beginBand(list.frame, 0);

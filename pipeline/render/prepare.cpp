@@ -288,6 +288,11 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     Plan& plan = p.plan;
     if (request.shading == Shading::wire) {
         plan.passes = {"transform", "lines"};
+    } else if (request.fill == Fill::notes) {
+        plan.passes = {"project", "scanline", "scanpaint"};
+        if (p.choices.shading == gpu::kShadingFlat || p.choices.shading == gpu::kShadingGouraud) plan.passes.insert(plan.passes.begin() + 1, "illuminate");
+        if (p.choices.shading == gpu::kShadingPhong) plan.passes.push_back("illuminate");
+        plan.choices.push_back("fill notes: corners on whole pixels, both ends of a line painted, what is carried interpolated along edges and lines");
     } else {
         plan.passes = {"transform", "cull", "setup", "clip", "bin", "fill"};
         if (p.choices.shading == gpu::kShadingFlat || p.choices.shading == gpu::kShadingGouraud)

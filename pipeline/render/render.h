@@ -15,6 +15,7 @@ namespace plumb {
 struct RenderRequest {
     uint32_t width = 640, height = 480;
     Shading shading = Shading::phong;
+    Fill fill = Fill::exact;
     Encoding encoding = Encoding::srgb;
     uint32_t samples = 1;                 // 1, 4, 16: ordered grid
     glm::vec3 background{0.0f};           // linear RGB
@@ -41,6 +42,7 @@ struct RenderCounters {
     uint64_t objects = 0, objectsDrawn = 0, vertices = 0, triangles = 0;
     uint64_t culledBackFace = 0, culledZeroArea = 0, culledOutside = 0, clipped = 0, drawnTriangles = 0;
     uint64_t illuminations = 0;           // flat: faces, Gouraud: vertices, Phong: shaded samples
+    uint64_t polygons = 0, normals = 0;   // fill notes: faces met; a normal a face, and one a corner where corners are shaded
     uint64_t chunks = 0, bands = 0, binEntries = 0, edges = 0;
 };
 

@@ -3,6 +3,7 @@
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
+#include "pipeline/render/notes.h"
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/render/twin_frame.h"
@@ -41,6 +42,11 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
     const uint32_t side = p.side;
     if (request.shading == Shading::wire) {
         drawWireCpu(p, request, result);
+        result.totalMs = total.elapsedMs();
+        return result;
+    }
+    if (request.fill == Fill::notes) {
+        drawNotesCpu(scene, p, request, result);
         result.totalMs = total.elapsedMs();
         return result;
     }

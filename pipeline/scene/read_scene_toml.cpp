@@ -367,6 +367,7 @@ void SceneFile::readSettings(const toml::table& root) {
         scene_.shading = choiceOf<Shading>(*node, "shading",
                                            {{"wire", Shading::wire}, {"unlit", Shading::unlit}, {"flat", Shading::flat},
                                             {"gouraud", Shading::gouraud}, {"phong", Shading::phong}});
+    if (const auto* node = root.get("fill")) scene_.fill = choiceOf<Fill>(*node, "fill", {{"exact", Fill::exact}, {"notes", Fill::notes}});
     if (const auto* node = root.get("cull")) scene_.cullBackFaces = booleanOf(*node, "cull");
     if (const auto* node = root.get("size")) {
         const toml::array& size = arrayOf(*node, "size");
@@ -523,8 +524,14 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
     if (!table.get("vertices")) refuse(table, fmt::format("mesh '{}' has neither 'file' nor 'vertices'", printable(name, 64)));
     const toml::array& vertices = arrayOf(*table.get("vertices"), "mesh.vertices");
     mesh.positions.reserve(vertices.size());
-    for (size_t i = 0; i < vertices.size(); ++i)
-        mesh.positions.push_back(glm::vec3(vectorOf(vertices[i], fmt::format("mesh.vertices[{}]", i))));
+    for (size_t i = 0; i < vertices.size(); ++i) {
+        const std::string field = fmt::format("mesh.vertices[{}]", i);
+        const toml::array* point = vertices[i].as_array();
+        if (point != nullptr && point->size() == 2)  // a point of the plane
+            mesh.positions.emplace_back(float(numberOf((*point)[0], field + "[0]", -kMaxCoordinate, kMaxCoordinate)), float(numberOf((*point)[1], field + "[1]", -kMaxCoordinate, kMaxCoordinate)), 0.0f);
+        else
+            mesh.positions.push_back(glm::vec3(vectorOf(vertices[i], field)));
+    }
 
     const toml::node& facesNode = required(table, "faces", "mesh");
     const toml::array& faces = arrayOf(facesNode, "mesh.faces");
@@ -782,7 +789,7 @@ Scene SceneFile::read() {
     } catch (const toml::parse_error& error) {
         throw inputError(place(error.source()), "TOML: " + printable(error.description()));
     }
-    allowKeys(root, "the scene", {"handedness", "up", "ambient", "background", "encoding", "shading", "size", "cull",
+    allowKeys(root, "the scene", {"handedness", "up", "ambient", "background", "encoding", "shading", "fill", "size", "cull",
                                   "camera", "material", "light", "mesh", "object"});
     scene_.path = path_.string();
     scene_.sha256 = sha256Hex(std::as_bytes(std::span(text)));

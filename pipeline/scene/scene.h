@@ -10,6 +10,7 @@
 namespace plumb {
 
 enum class Shading { wire, unlit, flat, gouraud, phong };
+enum class Fill { exact, notes };  // 8 sub-pixel bits and the top-left rule, or the polygon fill of the lecture notes
 enum class Encoding { srgb, linear };
 enum class Attenuation { none, inverse, inverseSquare };
 
@@ -51,6 +52,7 @@ struct Scene {
     glm::dvec3 up{0, 1, 0};
     std::optional<glm::vec3> background;  // linear RGB
     std::optional<Shading> shading;   // what the file asks for; the command line overrides
+    std::optional<Fill> fill;
     std::optional<Encoding> encoding;
     bool cullBackFaces = true;
     glm::uvec2 size{0};               // 0: not stated

@@ -6,8 +6,6 @@
 namespace plumb::golden {
 
 inline constexpr const char* kElsewhere[] = {
-    // Counters of normals and illuminations: the fill of the notes.
-    "s172_normal_counts",
     // Part 4, ray tracing: issue 5.
     "s181_ray_counts",
     "s1821_ray_sphere",

@@ -177,7 +177,9 @@ void reflection(Entry& e) {
     e.binary64("R", jsonOf(reflected(n, l)));
     e.binary64("R", jsonOf(unitVector(2 * nl * unitVector(n) - unitVector(l))));  // without the division and the cases
     // The pass: seen along R, the highlight is full, and its power falls with the distance from R.
-    if (nl > 0) EXPECT_NEAR(byPass(n, l, reflected(n, l), {0, 1, 0, 1, 1}), 1, tolerance().float32);
+    if (nl > 0) {
+        EXPECT_NEAR(byPass(n, l, reflected(n, l), {0, 1, 0, 1, 1}), 1, tolerance().float32);
+    }
 }
 GOLDEN(s1642_reflect_positive) { reflection(e); }
 GOLDEN(s1642_reflect_positive_general) { reflection(e); }

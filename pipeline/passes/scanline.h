@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// Scanline: the polygon fill of the lecture notes. Contract: shaders/shared/scanline.h.
+#pragma once
+
+#include "host/recorder.h"
+#include "shaders/shared/scanline.h"
+
+#include <span>
+#include <vector>
+
+namespace plumb {
+
+// What is filled: corners in pixels of the canvas, tables of edges, polygons in the order of painting.
+struct ScanList {
+    std::vector<gpu::ScanCorner> corners;
+    std::vector<gpu::ScanEdge> edges;
+    std::vector<gpu::ScanPolygon> polygons;
+    int width = 0, height = 0;
+    uint64_t spans = 0;  // lines of all polygons within the canvas
+
+    // A convex polygon, corners in either sense around it, x and y whole. Its table is made here; one that is less than a line
+    // high has none and is not painted. False: nothing to paint. Throws Error(input) for one beyond kScanLimit.
+    bool add(std::span<const gpu::ScanCorner> polygon);
+};
+
+// For each pixel: Z (kScanFarthest: nothing painted), polygon (kNoPolygon), and what it carries (3 floats, 0).
+struct ScanCanvas {
+    std::vector<float> z;
+    std::vector<uint32_t> owner;
+    std::vector<glm::vec3> carried;
+};
+
+// The twin paints polygon by polygon, as the notes do. `spans`: the lines too, in the order of the device's; or null.
+ScanCanvas scanlineCpu(const ScanList& list, std::vector<gpu::ScanSpan>* spans);
+
+// Polygons [first, end) that one dispatch of the second kernel may paint within its loop budget.
+uint32_t scanSliceEnd(const ScanList& list, uint32_t first);
+void recordScanSpans(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact,
+                     const Buffer<gpu::ScanPolygon>& polygons, const Buffer<gpu::ScanEdge>& edges,
+                     const Buffer<gpu::ScanCorner>& corners, const Buffer<gpu::ScanSpan>& spans);
+void recordScanPaint(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact,
+                     const Buffer<gpu::ScanPolygon>& polygons, const Buffer<gpu::ScanSpan>& spans,
+                     const Buffer<float>& z, const Buffer<uint32_t>& owner, const Buffer<glm::vec3>& carried);
+// Both kernels over the whole list; throws Error(failed) where the device has no room.
+ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list, const Specialization& exact,
+                       double watchdogMs, std::vector<gpu::ScanSpan>* spans);
+
+}  // namespace plumb

@@ -1,0 +1,486 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/render/notes.h"
+
+#include "pipeline/passes/encode.h"
+#include "pipeline/passes/illuminate.h"
+#include "pipeline/passes/parallel.h"
+#include "pipeline/render/stopwatch.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+namespace plumb {
+
+namespace {
+
+using glm::dvec3;
+
+// Points of one object to be illuminated: positions and normals in its space.
+struct Points {
+    std::vector<glm::vec4> positions, normals;
+    std::vector<uint32_t> materials;
+};
+
+// What differs between the sides.
+class Side {
+public:
+    virtual ~Side() = default;
+    virtual std::vector<glm::vec4> illuminate(const Points&, uint32_t record) = 0;
+    virtual ScanCanvas paint(const ScanList&) = 0;
+};
+
+// A polygon's corner before projection, relative to the eye in scene units: right, down, forward.
+struct Corner {
+    dvec3 view;
+    glm::vec3 carried;
+};
+
+// Corners of a face around its outline, from the triangles it was cut into: the edges that no two of them share.
+std::vector<uint32_t> outlineOf(std::span<const TriangleMesh::Triangle> triangles) {
+    std::vector<std::pair<uint32_t, uint32_t>> edges;
+    for (const TriangleMesh::Triangle& t : triangles)
+        for (size_t i = 0; i < 3; ++i) {
+            const uint32_t a = t.vertex[i], b = t.vertex[(i + 1) % 3];
+            const auto twin = std::find(edges.begin(), edges.end(), std::pair(b, a));
+            if (twin != edges.end())
+                edges.erase(twin);
+            else
+                edges.emplace_back(a, b);
+        }
+    std::vector<uint32_t> outline;
+    for (uint32_t at = edges.empty() ? 0 : edges[0].first; outline.size() < edges.size();) {
+        const auto next = std::find_if(edges.begin(), edges.end(), [&](const auto& e) { return e.first == at; });
+        if (next == edges.end()) return {};
+        outline.push_back(at);
+        at = next->second;
+        if (at == outline[0]) break;
+    }
+    return outline.size() == edges.size() ? outline : std::vector<uint32_t>{};
+}
+
+// Turns one way only, and once around: two changes of the direction in y at most.
+bool isConvex(std::span<const gpu::ScanCorner> polygon) {
+    const size_t n = polygon.size();
+    int turn = 0, changes = 0, direction = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const gpu::ScanCorner &a = polygon[i], &b = polygon[(i + 1) % n], &c = polygon[(i + 2) % n];
+        const double cross = (double(b.x) - a.x) * (double(c.y) - b.y) - (double(b.y) - a.y) * (double(c.x) - b.x);
+        const int sign = cross > 0 ? 1 : cross < 0 ? -1 : 0;
+        if (sign != 0 && turn != 0 && sign != turn) return false;
+        if (sign != 0) turn = sign;
+    }
+    for (size_t i = 0; i < 2 * n; ++i) {  // twice around, so that the first direction is known on the second
+        const float rise = polygon[(i + 1) % n].y - polygon[i % n].y;
+        const int now = rise > 0 ? 1 : rise < 0 ? -1 : 0;
+        if (now == 0) continue;
+        if (i >= n && now != direction) ++changes;
+        direction = now;
+    }
+    return changes <= 2;
+}
+
+class NotesFrame {
+public:
+    NotesFrame(const Scene& scene, const Prepared& prepared, const RenderRequest& request, Side& side,
+               RenderResult& result)
+        : scene_(scene), p_(prepared), request_(request), side_(side), result_(result) {
+        const Camera& c = *scene.camera;
+        right_ = c.right;
+        down_ = -c.up;
+        forward_ = c.forward;
+        eye_ = c.eye;
+        focal_ = c.focalPixels > 0 ? c.focalPixels
+                                   : double(p_.height) / 2 / std::tan(c.fovYDegrees * 3.14159265358979323846 / 360);
+        distance_ = c.focusDistance;
+        near_ = double(p_.near);
+        unit_ = double(p_.list.viewport.near) / near_;  // the passes' length of a scene unit, a power of two
+        list_.width = int(p_.width);
+        list_.height = int(p_.height);
+    }
+
+    void draw() {
+        if (p_.side != 1) throw usageError("--fill notes draws one sample a pixel: leave --samples out");
+        for (uint32_t r = 0; r < p_.list.ranges.size(); ++r) addObject(r);
+        const ScanCanvas canvas = side_.paint(list_);
+        result_.counters.drawnTriangles = list_.polygons.size();
+        finish(canvas);
+    }
+
+private:
+    dvec3 viewOf(const dvec3& world) const {
+        const dvec3 v = world - eye_;
+        return {glm::dot(right_, v), glm::dot(down_, v), glm::dot(forward_, v)};
+    }
+    // Zps = d Z / (d + Z) with Z = w - d: 0 at distance d, d at infinity.
+    double zpsOf(double w) const { return distance_ * (w - distance_) / w; }
+    double depthOf(float zps) const { return distance_ * distance_ / (distance_ - double(zps)); }
+
+    // Newell's normal of a polygon, and the sum of the magnitudes of what it adds up: 16 u of that bounds its rounding.
+    struct Newell {
+        dvec3 normal{0}, size{0};
+        bool vanishes() const { return glm::all(glm::lessThanEqual(glm::abs(normal), 16 * 0x1p-53 * size)); }
+    };
+    static Newell newellOf(std::span<const dvec3> world) {
+        Newell n;
+        for (size_t i = 0; i < world.size(); ++i) {
+            const dvec3 a = world[i] - world[0], b = world[(i + 1) % world.size()] - world[0];
+            n.normal += glm::cross(a, b);
+            n.size += glm::abs(dvec3(a.y * b.z, a.z * b.x, a.x * b.y)) + glm::abs(dvec3(a.z * b.y, a.x * b.z, a.y * b.x));
+        }
+        return n;
+    }
+
+    // N.V - D > 0 as N.(eye - P0), without root and plane offset; within its rounding it is edge-on, and not visible.
+    bool visible(const Newell& n, const dvec3& corner, bool mirrored) const {
+        const dvec3 toEye = eye_ - corner;
+        return (mirrored ? -1 : 1) * glm::dot(n.normal, toEye) > 16 * 0x1p-53 * glm::dot(n.size, glm::abs(toEye));
+    }
+
+    [[noreturn]] void refuseCrossing(const Object& object, uint32_t faces) const {
+        throw inputError(scene_.path, fmt::format("object '{}': mesh.faces: {} of its faces cross themselves, and --fill notes fills simple polygons", object.name, faces));
+    }
+
+    void addObject(uint32_t rangeNumber) {
+        const DrawList::Range& r = p_.list.ranges[rangeNumber];
+        const Object& object = scene_.objects[r.sceneObject];
+        const TriangleMesh& mesh = scene_.meshes[object.mesh];
+        if (mesh.selfCrossingFaces > 0) refuseCrossing(object, mesh.selfCrossingFaces);
+        const gpu::ObjectRecord& record = p_.list.objects[r.record];
+        const bool mirrored = glm::determinant(glm::dmat3(object.worldFromObject)) < 0;
+        const uint32_t shading = p_.choices.shading;
+        std::vector<dvec3> world(mesh.positions.size());
+        for (size_t v = 0; v < world.size(); ++v)
+            world[v] = dvec3(object.worldFromObject * glm::dvec4(mesh.positions[v], 1));
+
+        struct Face {
+            uint32_t face, firstTriangle, triangles;
+            std::vector<uint32_t> outline;
+            size_t firstPoint;
+        };
+        std::vector<Face> faces;
+        Points points;
+        for (uint32_t t = 0; t < mesh.triangles.size();) {
+            Face f{mesh.triangles[t].face, t, 0, {}, points.positions.size()};
+            while (t < mesh.triangles.size() && mesh.triangles[t].face == f.face) ++t, ++f.triangles;
+            const std::span<const TriangleMesh::Triangle> own(mesh.triangles.data() + f.firstTriangle, f.triangles);
+            f.outline = outlineOf(own);
+            ++result_.counters.polygons;
+            std::vector<dvec3> around;
+            for (uint32_t v : f.outline) around.push_back(world[v]);
+            if (around.empty())
+                for (uint32_t v : own[0].vertex) around.push_back(world[v]);
+            ++result_.counters.normals;  // of the face
+            const Newell newell = newellOf(around);
+            if (around.size() > 3 && newell.vanishes())
+                for (const TriangleMesh::Triangle& t : own) {  // parts with an area that cancel: a bow tie
+                    const std::array part = {world[t.vertex[0]], world[t.vertex[1]], world[t.vertex[2]]};
+                    if (!newellOf(part).vanishes()) refuseCrossing(object, 1);
+                }
+            if (scene_.cullBackFaces && !visible(newell, around[0], mirrored)) {
+                ++result_.counters.culledBackFace;
+                continue;
+            }
+            const uint32_t material = p_.list.faceMaterial[r.firstFace + f.face];
+            const auto addPoint = [&](const glm::vec3& position, const glm::vec3& normal) {
+                points.positions.emplace_back(position, 1.0f);
+                points.normals.emplace_back(normal, 0.0f);
+                points.materials.push_back(material);
+            };
+            if (shading == gpu::kShadingFlat) addPoint(mesh.faceCentre[f.face], mesh.faceNormal[f.face]);
+            if (shading == gpu::kShadingGouraud)
+                forEachCorner(f.outline, own, [&](uint32_t v) { addPoint(mesh.positions[v], mesh.normals[v]); });
+            if (shading == gpu::kShadingGouraud || shading == gpu::kShadingPhong)
+                forEachCorner(f.outline, own, [&](uint32_t) { ++result_.counters.normals; });
+            faces.push_back(f);
+        }
+        std::vector<glm::vec4> colours;
+        if (!points.positions.empty()) colours = side_.illuminate(points, r.record);
+        result_.counters.illuminations += points.positions.size();
+
+        for (const Face& f : faces) {
+            const std::span<const TriangleMesh::Triangle> own(mesh.triangles.data() + f.firstTriangle, f.triangles);
+            const uint32_t material = p_.list.faceMaterial[r.firstFace + f.face];
+            size_t point = f.firstPoint;
+            std::vector<std::pair<uint32_t, glm::vec3>> carried;
+            forEachCorner(f.outline, own, [&](uint32_t v) {
+                glm::vec3 value = p_.list.materials[material].diffuse;
+                if (shading == gpu::kShadingFlat) value = glm::vec3(colours[f.firstPoint]);
+                if (shading == gpu::kShadingGouraud) value = glm::vec3(colours[point++]);
+                if (shading == gpu::kShadingPhong) value = worldNormal(record, mesh.normals[v]);
+                carried.emplace_back(v, value);
+            });
+            const auto corner = [&](uint32_t v) {
+                const auto found =
+                    std::find_if(carried.begin(), carried.end(), [&](const auto& c) { return c.first == v; });
+                return Corner{viewOf(world[v]), found->second};
+            };
+            const NotesPolygon from{rangeNumber, f.face, r.firstTriangle + f.firstTriangle, material};
+            std::vector<Corner> polygon;
+            for (uint32_t v : f.outline) polygon.push_back(corner(v));
+            if (!polygon.empty() && addConvex(polygon, from)) continue;
+            for (const TriangleMesh::Triangle& t : own) {  // concave: as it was cut into triangles
+                polygon = {corner(t.vertex[0]), corner(t.vertex[1]), corner(t.vertex[2])};
+                if (!addConvex(polygon, from)) addFan(polygon, from);
+            }
+        }
+    }
+
+    // A face without an outline (its triangles share a vertex twice) is taken triangle by triangle, each corner once.
+    template <class Body>
+    static void forEachCorner(const std::vector<uint32_t>& outline, std::span<const TriangleMesh::Triangle> own,
+                              const Body& body) {
+        std::vector<uint32_t> corners = outline;
+        if (corners.empty()) {
+            for (const TriangleMesh::Triangle& t : own) corners.insert(corners.end(), t.vertex, t.vertex + 3);
+            std::sort(corners.begin(), corners.end());
+            corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+        }
+        for (uint32_t v : corners) body(v);
+    }
+
+    static glm::vec3 worldNormal(const gpu::ObjectRecord& o, const glm::vec3& n) {
+        const dvec3 v(glm::dot(dvec3(o.normal0), dvec3(n)), glm::dot(dvec3(o.normal1), dvec3(n)),
+                      glm::dot(dvec3(o.normal2), dvec3(n)));
+        const double length = std::sqrt(glm::dot(v, v));
+        return length > 0 ? glm::vec3(v / length) : glm::vec3(0);
+    }
+
+    // Sutherland and Hodgman at the near plane, always from the inside corner, so that neighbours meet in the same point.
+    std::vector<Corner> inFront(const std::vector<Corner>& polygon) const {
+        std::vector<Corner> kept;
+        for (size_t i = 0; i < polygon.size(); ++i) {
+            const Corner &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+            if (a.view.z >= near_) kept.push_back(a);
+            if ((a.view.z >= near_) == (b.view.z >= near_)) continue;
+            const Corner &in = a.view.z >= near_ ? a : b, &out = a.view.z >= near_ ? b : a;
+            const double t = (in.view.z - near_) / (in.view.z - out.view.z);
+            Corner cut{in.view + (out.view - in.view) * t,
+                       glm::vec3(dvec3(in.carried) + (dvec3(out.carried) - dvec3(in.carried)) * t)};
+            cut.view.z = near_;
+            kept.push_back(cut);
+        }
+        return kept;
+    }
+
+    // To pixels, rounded half to even and kept real; Z is not rounded (14.2).
+    std::vector<gpu::ScanCorner> display(const std::vector<Corner>& polygon) const {
+        constexpr double kFar = 0x1p40;  // what is further off is refused or off the canvas anyway
+        std::vector<gpu::ScanCorner> corners;
+        for (const Corner& c : inFront(polygon)) {
+            const double x = std::nearbyint(double(p_.width) / 2 + focal_ * c.view.x / c.view.z),
+                         y = std::nearbyint(double(p_.height) / 2 + focal_ * c.view.y / c.view.z);
+            corners.push_back({float(std::clamp(x, -kFar, kFar)), float(std::clamp(y, -kFar, kFar)),
+                               float(zpsOf(c.view.z)), c.carried});
+        }
+        return corners;
+    }
+
+    bool addConvex(const std::vector<Corner>& polygon, const NotesPolygon& from) {
+        const std::vector<gpu::ScanCorner> corners = display(polygon);
+        if (corners.size() < 3) return true;  // nothing is left of it
+        if (!isConvex(corners)) return false;
+        add(corners, from);
+        return true;
+    }
+    void addFan(const std::vector<Corner>& polygon, const NotesPolygon& from) {
+        const std::vector<gpu::ScanCorner> corners = display(polygon);
+        for (size_t i = 1; i + 1 < corners.size(); ++i) add(std::array{corners[0], corners[i], corners[i + 1]}, from);
+    }
+    void add(std::span<const gpu::ScanCorner> corners, const NotesPolygon& from) {
+        if (list_.add(corners)) from_.push_back(from);
+    }
+
+    void finish(const ScanCanvas& canvas) {
+        const size_t pixels = canvas.owner.size();
+        std::vector<glm::vec3> linear(pixels, p_.backgroundLinear), normals;
+        std::vector<uint32_t> covered;
+        for (size_t i = 0; i < pixels; ++i)
+            if (canvas.owner[i] != gpu::kNoPolygon) covered.push_back(uint32_t(i));
+        const bool phong = p_.choices.shading == gpu::kShadingPhong;
+        normals.resize((request_.planes & kPlaneNormal) || phong ? covered.size() : 0);
+        for (size_t k = 0; k < normals.size(); ++k) {
+            const size_t i = covered[k];
+            const NotesPolygon& from = from_[canvas.owner[i]];
+            const DrawList::Range& r = p_.list.ranges[from.range];
+            const dvec3 n(canvas.carried[i]);
+            // Interpolated normals are made unit again (A15); one that vanished on the way is the face's.
+            const double length = phong ? std::sqrt(glm::dot(n, n)) : 0;
+            normals[k] = length > 0x1p-20
+                             ? glm::vec3(n / length)
+                             : worldNormal(p_.list.objects[r.record],
+                                           scene_.meshes[scene_.objects[r.sceneObject].mesh].faceNormal[from.face]);
+        }
+        if (phong) {
+            Points points;
+            for (size_t k = 0; k < covered.size(); ++k) {
+                const size_t i = covered[k];
+                points.positions.emplace_back(glm::vec3(pixelRay(i) * (depthOf(canvas.z[i]) * unit_)), 1.0f);
+                points.normals.emplace_back(normals[k], 0.0f);
+                points.materials.push_back(from_[canvas.owner[i]].material);
+            }
+            if (!covered.empty()) {
+                const std::vector<glm::vec4> colours = side_.illuminate(points, kNone);
+                for (size_t k = 0; k < covered.size(); ++k) linear[covered[k]] = glm::vec3(colours[k]);
+            }
+            result_.counters.illuminations += covered.size();
+        } else {
+            for (uint32_t i : covered) linear[i] = canvas.carried[i];
+        }
+        write(canvas, covered, linear, normals);
+    }
+
+    // Direction to the pixel, forward component 1. The notes' pixel (x, y) is the point (x, y) of the screen, not the middle of a cell.
+    dvec3 pixelRay(size_t i) const {
+        const double x = double(i % p_.width) - double(p_.width) / 2, y = double(i / p_.width) - double(p_.height) / 2;
+        return forward_ + right_ * (x / focal_) + down_ * (y / focal_);
+    }
+
+    void write(const ScanCanvas& canvas, const std::vector<uint32_t>& covered, const std::vector<glm::vec3>& linear,
+               const std::vector<glm::vec3>& normals) {
+        Frame& out = result_.frame;
+        PlaneWriter(p_, request_.planes, out);  // every plane as if nothing were drawn
+        out.coveredPixels = covered.size();
+        if (request_.planes & kPlaneLinear)
+            for (size_t i = 0; i < linear.size(); ++i)
+                std::copy_n(&linear[i].x, 3, out.linear.begin() + ptrdiff_t(3 * i));
+        for (size_t k = 0; k < covered.size(); ++k) {
+            const size_t i = covered[k];
+            const NotesPolygon& from = from_[canvas.owner[i]];
+            const double depth = depthOf(canvas.z[i]);
+            const dvec3 ray = pixelRay(i);
+            out.rgba[i] = encodePixelCpu(p_.choices.encoding, &linear[i].x, 255);
+            if (request_.planes & kPlaneZ) out.z[i] = float(near_ / depth);
+            if (request_.planes & kPlaneDepth) out.depth[i] = float(depth);
+            if (request_.planes & kPlaneDistance) out.distance[i] = float(depth * std::sqrt(glm::dot(ray, ray)));
+            if (request_.planes & kPlaneNormal) std::copy_n(&normals[k].x, 3, out.normal.begin() + ptrdiff_t(3 * i));
+            if (request_.planes & kPlaneTriangle) out.triangle[i] = from.triangle;
+            if (request_.planes & kPlaneObject) out.object[i] = p_.list.ranges[from.range].sceneObject;
+            if (request_.planes & kPlanePrimitive)
+                out.primitive[i] = p_.list.facePrimitive[p_.list.ranges[from.range].firstFace + from.face];
+        }
+        result_.counters.bands = result_.counters.chunks = 1;
+    }
+
+    const Scene& scene_;
+    const Prepared& p_;
+    const RenderRequest& request_;
+    Side& side_;
+    RenderResult& result_;
+    dvec3 right_, down_, forward_, eye_;
+    double focal_ = 0, distance_ = 0, near_ = 0, unit_ = 1;
+    ScanList list_;
+    std::vector<NotesPolygon> from_;
+};
+
+// Points that are given relative to the eye already, in the world's axes.
+gpu::ObjectRecord identityRecord() {
+    gpu::ObjectRecord o{};
+    o.world0 = o.normal0 = {1, 0, 0, 0};
+    o.world1 = o.normal1 = {0, 1, 0, 0};
+    o.world2 = o.normal2 = {0, 0, 1, 0};
+    return o;
+}
+std::vector<gpu::ObjectRecord> withIdentity(const Prepared& p) {
+    std::vector<gpu::ObjectRecord> objects = p.list.objects;
+    objects.push_back(identityRecord());
+    return objects;
+}
+
+class TwinSide : public Side {
+public:
+    TwinSide(const Prepared& p, const RenderRequest& request, RenderResult& result)
+        : p_(p), threads_(threadCount(request.threads)), result_(result), objects_(withIdentity(p)) {}
+    std::vector<glm::vec4> illuminate(const Points& points, uint32_t record) override {
+        const Stopwatch watch(&result_.times, "illuminate");
+        std::vector<glm::vec4> colours(points.positions.size());
+        const gpu::IlluminatePush push{0, 0, uint32_t(colours.size()), std::min(record, uint32_t(objects_.size() - 1)),
+                                       uint32_t(p_.list.lights.size())};
+        illuminateCpu(push, p_.choices.parts, points.positions, points.normals, points.materials, objects_,
+                      p_.list.materials, p_.list.lights, colours, threads_);
+        return colours;
+    }
+    ScanCanvas paint(const ScanList& list) override {
+        const Stopwatch watch(&result_.times, "scanline");
+        return scanlineCpu(list, nullptr);
+    }
+
+private:
+    const Prepared& p_;
+    uint32_t threads_;
+    RenderResult& result_;
+    std::vector<gpu::ObjectRecord> objects_;
+};
+
+template <class T>
+Buffer<T> uploaded(Device& device, std::span<const T> from, const char* name) {
+    Buffer<T> buffer(device, std::max<size_t>(1, from.size()), name);
+    buffer.upload(from);
+    return buffer;
+}
+
+class DeviceSide : public Side {
+public:
+    DeviceSide(Device& device, const Prepared& p, const RenderRequest& request)
+        : device_(device),
+          p_(p),
+          watchdogMs_(request.watchdogMs),
+          exact_{{0, device.selfTest().nativeDivideIsExact}, {1, device.selfTest().nativeRootIsExact}},
+          recorder_(device),
+          objects_(uploaded<gpu::ObjectRecord>(device, withIdentity(p), "objects")),
+          materials_(uploaded<gpu::MaterialRecord>(device, p.list.materials, "materials")),
+          lights_(uploaded<gpu::LightRecord>(device, p.list.lights, "lights")) {}
+    std::vector<glm::vec4> illuminate(const Points& points, uint32_t record) override {
+        const DeviceLimits& l = device_.limits();
+        const uint64_t most =
+            std::min<uint64_t>({l.storageRangeBytes / sizeof(glm::vec4), l.texelElements, uint64_t(1) << 20});
+        std::vector<glm::vec4> all;
+        for (uint64_t first = 0; first < points.positions.size(); first += most) {
+            const uint64_t count = std::min<uint64_t>(most, points.positions.size() - first);
+            const auto positions =
+                uploaded<glm::vec4>(device_, std::span(points.positions).subspan(first, count), "points");
+            const auto normals =
+                uploaded<glm::vec4>(device_, std::span(points.normals).subspan(first, count), "point normals");
+            const auto materials =
+                uploaded<uint32_t>(device_, std::span(points.materials).subspan(first, count), "point materials");
+            Buffer<glm::vec4> colours(device_, count, "point colours");
+            const gpu::IlluminatePush push{0, 0, uint32_t(count), std::min(record, uint32_t(p_.list.objects.size())),
+                                           uint32_t(p_.list.lights.size())};
+            recordIlluminate(recorder_, push, p_.choices.parts, exact_, positions, normals, materials, objects_,
+                             materials_, lights_, colours);
+            recorder_.run(watchdogMs_);
+            all.insert(all.end(), colours.span().begin(), colours.span().begin() + ptrdiff_t(count));
+        }
+        return all;
+    }
+    ScanCanvas paint(const ScanList& list) override {
+        return scanlineGpu(device_, recorder_, list, exact_, watchdogMs_, nullptr);
+    }
+    Recorder& recorder() { return recorder_; }
+
+private:
+    Device& device_;
+    const Prepared& p_;
+    double watchdogMs_;
+    Specialization exact_;
+    Recorder recorder_;
+    Buffer<gpu::ObjectRecord> objects_;
+    Buffer<gpu::MaterialRecord> materials_;
+    Buffer<gpu::LightRecord> lights_;
+};
+
+}  // namespace
+
+void drawNotesCpu(const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result) {
+    TwinSide side(prepared, request, result);
+    NotesFrame(scene, prepared, request, side, result).draw();
+}
+
+void drawNotesGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request,
+                  RenderResult& result) {
+    DeviceSide side(device, prepared, request);
+    NotesFrame(scene, prepared, request, side, result).draw();
+    result.times = side.recorder().takeTimes();
+}
+
+}  // namespace plumb

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// `--fill notes`: polygons, not triangles, through the scanline pass. Projection, rounding to pixels and back-face culling are host
+// code in binary64, the same for device and twin; illumination and fill are passes on either side.
+#pragma once
+
+#include "pipeline/passes/scanline.h"
+#include "pipeline/render/prepare.h"
+
+namespace plumb {
+
+// A polygon of the list: where it comes from.
+struct NotesPolygon {
+    uint32_t range;     // of the draw list
+    uint32_t face;      // of its mesh
+    uint32_t triangle;  // the face's first, of the scene
+    uint32_t material;
+};
+
+void drawNotesCpu(const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
+void drawNotesGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request,
+                  RenderResult& result);
+
+}  // namespace plumb

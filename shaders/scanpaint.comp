@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Second kernel of the scanline pass: one invocation owns one row of the canvas and paints the spans of the dispatch's polygons
+// into it, in their order. No two invocations share a pixel, so the order of polygons is the order of painting.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+layout(local_size_x = 64) in;
+#include "shared/status.h"
+#include "shared/scanline.h"
+
+layout(push_constant, scalar) uniform Push { ScanPush push; };
+layout(binding = 1, scalar) readonly buffer Polygons { ScanPolygon polygons[]; };
+layout(binding = 2, scalar) readonly buffer Spans { ScanSpan spans[]; };
+layout(binding = 3, scalar) buffer Depths { float depths[]; };
+layout(binding = 4, scalar) writeonly buffer Owners { uint owners[]; };
+layout(binding = 5, scalar) writeonly buffer Carried { vec3 carried[]; };
+
+void main() {
+    uint item = itemIndex();
+    int row = int(item);
+    uint count = row < push.height ? push.polygonCount : 0u;
+    int budget = kScanLimit;
+    for (uint n = 0u; n < count && budget > 0; ++n) {
+        ScanPolygon p = polygons[push.firstPolygon + n];
+        int stored = row - p.firstStored;
+        bool here = stored >= 0 && stored < p.storedCount;
+        budget--;
+        if (here) {
+            ScanSpan s = spans[p.firstSpan + uint(stored)];
+            ScanWalk w = scanLeft(s);
+            ScanWalk across = scanAcross(s);
+            while (scanWithin(w.x, s.rightX) && budget > 0) {
+                int column = scanColumn(w.x);
+                uint pixel = uint(row) * uint(push.width) + uint(column);
+                if (scanOnCanvas(column, push.width)) {
+                    if (scanNearer(w.z, depths[pixel])) {
+                        depths[pixel] = w.z;
+                        owners[pixel] = push.firstPolygon + n;
+                        carried[pixel] = w.carried;
+                    }
+                }
+                w = scanNext(w, across);
+                budget--;
+            }
+        }
+    }
+    finish(push.statusSlot, budget <= 0 ? kFaultLoop : 0u);
+}
