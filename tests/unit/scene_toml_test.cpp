@@ -405,7 +405,7 @@ std::vector<BadScene> badScenes() {
         {"@[[mesh]]\nname = 'm'", "mesh 'm' has neither 'file' nor 'vertices'"},
         {"@" + kMesh + "vertices = [[0,0,0]]", "mesh has no 'faces'"},
         {kMesh + "vertices = @3", "mesh.vertices is an integer"},
-        {kMesh + "vertices = [[0,0,0], @[1,2]]\nfaces = []", "mesh.vertices[1] has 2 numbers"},
+        {kMesh + "vertices = [[0,0,0], @[1,2,3,4]]\nfaces = []", "mesh.vertices[1] has 4 numbers"},
         {kMesh + "vertices = [[0,0,0], [1,@nan,2]]\nfaces = []", "mesh.vertices[1][1] is NaN"},
         {kMesh + "vertices = [[0,0,@-inf]]\nfaces = []", "mesh.vertices[0][2] is infinite"},
         {kMesh + "vertices = [[0,0,@1e300]]\nfaces = []", "mesh.vertices[0][2]"},
