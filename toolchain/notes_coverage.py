@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Compares docs/notes-coverage.md with the tests: every row names tests that exist, or says what is open.
+
+usage: notes_coverage.py [ROOT]      exit 1 on a row with neither, an unknown test, or another number of rows
+       notes_coverage.py --self-test
+"""
+import os
+import re
+import sys
+
+ROWS = 68  # systems of parts 1 to 3
+TEST = re.compile(r"^\s*TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)|^\s*GOLDEN\(\s*(\w+)\s*\)", re.M)
+PYTHON = re.compile(r"^class (\w+)\(unittest\.TestCase\)|^    def (test_\w+)\(", re.M)
+
+
+def tests_of(root):
+    names = set()
+    for folder, _, files in os.walk(os.path.join(root, "tests")):
+        for file in files:
+            if not file.endswith((".cpp", ".h", ".py")):
+                continue
+            with open(os.path.join(folder, file), encoding="utf-8") as f:
+                text = f.read()
+            if file.endswith(".py"):
+                owner = None
+                for m in PYTHON.finditer(text):
+                    owner = m.group(1) or owner
+                    if m.group(2):
+                        names.add(f"{owner}.{m.group(2)}")
+            else:
+                names.update(f"Golden.{m.group(3)}" if m.group(3) else f"{m.group(1)}.{m.group(2)}" for m in TEST.finditer(text))
+    return names
+
+
+def check(text, names):
+    faults, rows, done, partly, nothing = [], 0, 0, 0, 0
+    for number, line in enumerate(text.splitlines(), 1):
+        for name in re.findall(r"`(\w+\.\w+)`", line):
+            if name not in names and not name.endswith(".py"):
+                faults.append(f"docs/notes-coverage.md:{number}: there is no test {name}")
+        if not re.match(r"\| \d+ \|", line):
+            continue
+        rows += 1
+        cells = [c.strip() for c in line.strip("|").split(" | ")]
+        if len(cells) < 4 or not cells[0].isdigit() or int(cells[0]) != rows:
+            faults.append(f"docs/notes-coverage.md:{number}: row {rows} is out of order or lacks cells")
+            continue
+        tests = re.findall(r"`(\w+\.\w+)`", line)
+        rest = line.rstrip(" |").rsplit("|", 1)[1].strip()
+        if not tests and not rest.startswith("open: "):
+            faults.append(f"docs/notes-coverage.md:{number}: row {rows} names no test and is not open")
+        if not tests:
+            nothing += 1
+        elif rest and "`" not in rest:
+            partly += 1
+        else:
+            done += 1
+    if rows != ROWS:
+        faults.append(f"docs/notes-coverage.md: {rows} rows, not {ROWS}")
+    return faults, done, partly, nothing
+
+
+def self_test():
+    good = "".join(f"| {i} | 1 | x | `A.b` |  |\n" for i in range(1, ROWS)) + f"| {ROWS} | 1 | x |  | open: y |\n"
+    cases = {"good": (good, 0), "an unknown test": (good.replace("`A.b`", "`A.c`", 1), 1), "a row less": (good[good.index("\n") + 1:], 1),
+             "neither": (good.replace("open: y", ""), 1), "an empty page": ("", 1)}
+    wrong = [name for name, (text, fails) in cases.items() if bool(check(text, {"A.b"})[0]) != bool(fails)]
+    print(f"notes_coverage --self-test: {len(cases)} pages, wrong: {wrong}")
+    return 1 if wrong else 0
+
+
+def main():
+    if sys.argv[1:] == ["--self-test"]:
+        return self_test()
+    root = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+    with open(os.path.join(root, "docs/notes-coverage.md"), encoding="utf-8") as f:
+        faults, done, partly, nothing = check(f.read(), tests_of(root))
+    for fault in faults:
+        print(fault)
+    print(f"notes_coverage: {done} rows with tests, {partly} with tests and something open, {nothing} open; {len(faults)} faults")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
