@@ -131,6 +131,7 @@ struct RecorderImpl {
     std::vector<Command> recorded;
     uint32_t slots = 0;
     bool recording = false;
+    double apartMs = 0;  // watchdog of commands that run one by one; 0: they do not
     std::vector<PassTime> times;
 
     explicit RecorderImpl(DeviceImpl& d);
@@ -291,7 +292,7 @@ void RecorderImpl::addTime(const std::string& pass, double ms, uint32_t dispatch
 }
 
 void RecorderImpl::addTimes(double hostMs) {
-    if (device.limits.timestampPeriodNs == 0) {
+    if (device.limits.timestampPeriodNs == 0 || apartMs > 0) {
         for (const Command& command : recorded) addTime(command.label, 0, 1);
         addTime(recorded.size() == 1 ? recorded[0].label : "whole submission (host time)", hostMs, 0);
         return;
@@ -377,6 +378,7 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     device.vk.vkCmdDispatch(r.commands, uint32_t(columns), uint32_t(rows), 1);
     r.endCommand({label, true, r.slots, uint32_t(columns * rows)});
     ++r.slots;
+    if (r.apartMs > 0) run(r.apartMs);
 }
 
 void Recorder::fill(const char* label, const RawBuffer& buffer, uint32_t word, uint64_t offset, uint64_t bytes) {
@@ -393,6 +395,7 @@ void Recorder::fill(const char* label, const RawBuffer& buffer, uint32_t word, u
     r.beginCommand();
     r.device.vk.vkCmdFillBuffer(r.commands, buffer.impl().block->buffer, offset, range, word);
     r.endCommand({label, false, 0, 0});
+    if (r.apartMs > 0) run(r.apartMs);
 }
 
 void RecorderImpl::submitAndWait(double watchdogMs) {
@@ -429,6 +432,8 @@ void Recorder::run(double watchdogMs) {
     }
     r.empty();
 }
+
+void Recorder::timeApart(double watchdogMs) { impl_->apartMs = watchdogMs; }
 
 std::vector<PassTime> Recorder::takeTimes() { return std::exchange(impl_->times, {}); }
 

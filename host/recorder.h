@@ -68,6 +68,10 @@ public:
     // is empty again. Throws Error(failed): "fill: 12 of 240 workgroups did not finish", "... loop budget", lost, timeout.
     void run(double watchdogMs = 60000);
 
+    // From now on every command is submitted and waited for by itself, and its time is the host's: for looking at passes, not for speed.
+    // Time stamps within one submission of lavapipe do not wait for the work between them once the device is warm.
+    void timeApart(double watchdogMs);
+
     // Times of everything run since the last takeTimes(), in order of first appearance.
     std::vector<PassTime> takeTimes();
 

@@ -80,6 +80,11 @@ uint clusterMax(uint v) {   // over the subgroup, so that loops over it are unif
     if (kSubgroupSize > 32u) v = max(v, subgroupShuffleXor(v, 32u));
     return v;
 }
+int tileMax(int v) {        // over the eight invocations of a tile
+    v = max(v, subgroupShuffleXor(v, 1u));
+    v = max(v, subgroupShuffleXor(v, 2u));
+    return max(v, subgroupShuffleXor(v, 4u));
+}
 // Number of the lowest set bit of a mask of 8, by its float exponent (findLSB is slow here).
 uint lowestBit(uint mask) { return uint((floatBitsToInt(float(int(mask & (0u - mask)))) >> 23) - 127); }
 #endif
@@ -150,6 +155,7 @@ void main() {
     // none left repeats one: harmless, because a triangle drawn twice changes nothing.
     ivec2 tileCentre = (corner + ivec2(0, push.firstRow)) * kSubpixels + kHalfPixel;
     uint longest = clusterMax(uint(count));
+    int hiddenBelow = 0;
     uint k = 0u;
     do {
         int draw = int(texelFetch(entries, first + min(int(k) + lane, count - 1)).x);
@@ -167,6 +173,11 @@ void main() {
             blocks |= (there.x | there.y | there.z) >= 0 ? 1u << i : 0u;
         }
         blocks = int(k) + lane < count ? blocks : 0u;
+        // A triangle that covers the whole tile is nowhere further than its own lowest z, and none is nearer than its own highest:
+        // both are bounds of the depth itself, so what lies behind is left out without changing a bit.
+        ivec3 least = e.q + min(e.a, 0) * (kTileWidth - 1) + min(e.b, 0) * (kTileHeight - 1);
+        hiddenBelow = max(hiddenBelow, tileMax((least.x | least.y | least.z) >= 0 ? depth.low : 0));
+        blocks = depth.high < hiddenBelow ? 0u : blocks;
         uint todo = 0u;
         [[unroll]] for (uint i = 0u; i < 8u; ++i) todo |= ((subgroupShuffle(blocks, base | i) >> lane) & 1u) << i;
         uint steps = clusterMax(uint(bitCount(todo)));

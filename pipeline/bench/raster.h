@@ -37,7 +37,7 @@ struct RasterRow {
     Spread ratio;                         // graphics / compute of each pair; above 1 the passes win
     double ratioOfLeast = 0;
     RenderCounters counters;
-    std::vector<PassTime> passes;         // mean of a frame
+    std::vector<PassTime> passes;         // medians of a few pictures drawn pass by pass
     Agreement agreement;
 };
 

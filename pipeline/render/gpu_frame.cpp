@@ -64,6 +64,7 @@ void GpuFrame::checkFits(const char* what, uint64_t count, uint64_t elementBytes
 
 void GpuFrame::upload(const DrawList& chunk) {
     chunk_ = &chunk;
+    carriedNormals_ = false;
     put<glm::vec4>(device_, positions_, chunk.positions, "positions");
     put<glm::vec4>(device_, normals_, chunk.normals, "normals");
     put<glm::uvec4>(device_, triangles_, chunk.triangles, "triangles");
@@ -90,10 +91,13 @@ void GpuFrame::upload(const DrawList& chunk) {
 void GpuFrame::transformAndCull(bool normals) {
     const FillChoices& choices = prepared_.choices;
     const bool gouraud = choices.shading == gpu::kShadingGouraud && !normals;
+    // World normals do not depend on the camera: they stay from picture to picture of one upload.
+    const bool carryNormals = choices.shading == gpu::kShadingPhong || normals;
+    const bool writeNormals = carryNormals && !carriedNormals_;
     for (const DrawList::Range& r : chunk_->ranges) {
         if (r.vertexCount == 0) continue;
         recordTransform(recorder_, {0, r.firstVertex, r.vertexCount, r.record, chunk_->viewport},
-                        choices.shading == gpu::kShadingPhong || normals, exact_, positions_, normals_, objects_, screen_, carried_);
+                        writeNormals, exact_, positions_, normals_, objects_, screen_, carried_);
         const uint32_t lightCount = uint32_t(chunk_->lights.size());
         if (gouraud)
             recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, lightCount}, choices.parts, exact_, positions_,
@@ -104,7 +108,9 @@ void GpuFrame::transformAndCull(bool normals) {
     }
     recordCull(recorder_, {0, uint32_t(chunk_->triangles.size()), chunk_->cullBackFaces, chunk_->frame}, exact_, triangles_, screen_,
                records_);
+    carriedNormals_ = false;
     recorder_.run(watchdogMs_);
+    carriedNormals_ = carryNormals;
 }
 
 void GpuFrame::setup() {

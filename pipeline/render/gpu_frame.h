@@ -74,6 +74,7 @@ private:
     DrawPlaces places_;
     uint64_t binEntries_ = 0, clippedDrawn_ = 0;
     bool wide_ = false;
+    bool carriedNormals_ = false;         // carried_ holds the world normals of what was uploaded
     gpu::FrameBox band_{};
     uint32_t tilesX_ = 0, tilesY_ = 0, rowQuads_ = 0, planeQuads_ = 0, resolvedQuads_ = 0, planes_ = 0;
     std::vector<uint32_t> tileCounts_;

@@ -78,6 +78,8 @@ public:
     Picture draw();
     bool resident() const;                // the last draw() uploaded nothing but what the passes' own host steps write
     RenderCounters counters() const;      // of the last draw()
+    // The passes of one picture, each submitted by itself and timed by the host (Recorder::timeApart); draws it once more.
+    std::vector<PassTime> timePasses();
     std::vector<PassTime> takeTimes();    // of all draws since the last call
 
 private:

@@ -42,6 +42,13 @@ ResidentScene::Picture ResidentScene::draw() {
 
 bool ResidentScene::resident() const { return impl_->inPlace; }
 RenderCounters ResidentScene::counters() const { return impl_->inPlace ? impl_->render->counters() : impl_->whole.counters; }
+std::vector<PassTime> ResidentScene::timePasses() {
+    takeTimes();
+    if (impl_->inPlace) impl_->render->frame().recorder().timeApart(impl_->request.watchdogMs);
+    draw();
+    if (impl_->inPlace) impl_->render->frame().recorder().timeApart(0);
+    return takeTimes();
+}
 std::vector<PassTime> ResidentScene::takeTimes() {
     return impl_->inPlace ? impl_->render->frame().recorder().takeTimes() : std::exchange(impl_->times, {});
 }
