@@ -26,11 +26,11 @@ template <class Matrix>
 struct PointOf;
 template <>
 struct PointOf<dmat3> {
-    using type = dvec2;
+    using Type = dvec2;
 };
 template <>
 struct PointOf<dmat4> {
-    using type = dvec3;
+    using Type = dvec3;
 };
 
 // As printed: the notation and the handedness that were asked for.
@@ -103,7 +103,7 @@ Json chainCountersJson(const ChainCounters& counters, double timeMs) {
 // The same vertices three ways, counted and timed: each step on its own, the composite, the composite on several threads.
 template <class Matrix>
 Json verticesJson(const Options& options, std::span<const Step<Matrix>> chain, size_t depth) {
-    using Point = typename PointOf<Matrix>::type;
+    using Point = typename PointOf<Matrix>::Type;
     const std::vector<Point> start = manyPoints<Point>(options.vertices);
     std::vector<Point> separately = start, together = start, parallel = start;
     Json json;
@@ -150,7 +150,7 @@ Json verticesJson(const Options& options, std::span<const Step<Matrix>> chain, s
 
 template <class Matrix>
 Json chainJson(const Options& options, std::span<const Step<Matrix>> chain) {
-    using Point = typename PointOf<Matrix>::type;
+    using Point = typename PointOf<Matrix>::Type;
     std::vector<Point> points;
     for (const dvec3& p : options.points) points.emplace_back(p);
 

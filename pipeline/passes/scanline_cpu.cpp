@@ -8,6 +8,9 @@
 
 namespace plumb {
 
+// A row of one polygon must leave room in the loop budget for the polygon itself and for rounding.
+constexpr int kWidest = gpu::kScanLimit / 2 - 3;
+
 bool ScanList::add(std::span<const gpu::ScanCorner> polygon) {
     std::vector<gpu::ScanEdge> table;
     const uint32_t firstCorner = uint32_t(corners.size());
@@ -23,11 +26,11 @@ bool ScanList::add(std::span<const gpu::ScanCorner> polygon) {
         if (a.y > b.y) table.push_back({to, from});
     }
     if (table.size() < 2) return false;
-    if (!(bottom - top < gpu::kScanLimit - 1) || !(right - left < gpu::kScanLimit / 2 - 3))
+    if (!(bottom - top < gpu::kScanLimit - 1) || !(right - left < kWidest))
         throw inputError("--fill notes",
                          fmt::format("a polygon of {:g} x {:g} pixels; at most {} x {} are walked: move the camera or "
                                      "the near plane away from it",
-                                     right - left + 1, bottom - top + 1, gpu::kScanLimit / 2 - 3, gpu::kScanLimit - 1));
+                                     right - left + 1, bottom - top + 1, kWidest, gpu::kScanLimit - 1));
     if (bottom < 0 || top >= float(height) || right < 0 || left >= float(width) + 1)
         return false;  // column floor(X + 1/2): off the canvas
     std::stable_sort(table.begin(), table.end(), [&](const gpu::ScanEdge& a, const gpu::ScanEdge& b) {
