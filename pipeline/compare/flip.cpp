@@ -70,9 +70,9 @@ double hyAb(const Triple& p, const Triple& q) { return std::fabs(p[0] - q[0]) + 
 // 4.2: exponent, and the part of the range up to which differences are spread over the first 0.95.
 constexpr double kQc = 0.7, kPc = 0.4, kPt = 0.95;
 double redistributed(double difference) {
-    static const double most = std::pow(hyAb(huntLab({0, 1, 0}), huntLab({0, 0, 1})), kQc);  // green against blue
-    const double d = std::pow(difference, kQc), knee = kPc * most;
-    return d < knee ? kPt / knee * d : kPt + (d - knee) / (most - knee) * (1 - kPt);
+    static const double kMost = std::pow(hyAb(huntLab({0, 1, 0}), huntLab({0, 0, 1})), kQc);  // green against blue
+    const double d = std::pow(difference, kQc), knee = kPc * kMost;
+    return d < knee ? kPt / knee * d : kPt + (d - knee) / (kMost - knee) * (1 - kPt);
 }
 
 struct Filters {

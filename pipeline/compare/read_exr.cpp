@@ -145,7 +145,9 @@ std::vector<Group> groupsOf(const Imf::ChannelList& list) {
         layers[layer][dot == name.npos ? name : name.substr(dot + 1)] = it.channel().type;
     }
     std::vector<Group> groups;
-    for (auto& [layer, channels] : layers) {
+    for (auto& entry : layers) {
+        const std::string& layer = entry.first;
+        std::map<std::string, Imf::PixelType>& channels = entry.second;
         const std::string prefix = layer.empty() ? "" : layer + ".";
         for (const std::string word : {"RGBA", "RGB", "XYZ", "YA", "Y"}) {
             const bool colour = word != "XYZ";

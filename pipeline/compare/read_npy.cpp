@@ -76,7 +76,7 @@ private:
         if (quote != '\'' && quote != '"') refuse("a string is expected; structured types are not read");
         const size_t end = text_.find(quote, ++at_);
         if (end == text_.npos) refuse("a string without its end");
-        const std::string value(text_.substr(at_, end - at_));
+        std::string value(text_.substr(at_, end - at_));
         at_ = end + 1;
         return value;
     }

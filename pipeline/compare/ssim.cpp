@@ -8,14 +8,14 @@
 namespace plumb {
 namespace {
 
-constexpr int kWindow = 11;
+constexpr int kWindow = 11, kMiddle = 5;
 constexpr double kSigma = 1.5, kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // with a dynamic range of 1
 
 std::array<double, kWindow> window() {
     std::array<double, kWindow> weights{};
     double sum = 0;
     for (int i = 0; i < kWindow; ++i)
-        sum += weights[size_t(i)] = std::exp(-0.5 * (i - kWindow / 2) * (i - kWindow / 2) / (kSigma * kSigma));
+        sum += weights[size_t(i)] = std::exp(-0.5 * (i - kMiddle) * (i - kMiddle) / (kSigma * kSigma));
     for (double& w : weights) w /= sum;
     return weights;
 }
@@ -68,7 +68,7 @@ std::optional<Perceived> ssimOf(const Seen& a, const Seen& b, const CompareOptio
                 const double s = similarity(m);
                 row.mean += s;
                 if (s < row.worst)
-                    row.worst = s, row.at = {uint32_t(x + kWindow / 2), uint32_t(first + y + kWindow / 2)};
+                    row.worst = s, row.at = {uint32_t(x + kMiddle), uint32_t(first + y + kMiddle)};
             }
         }
     });
