@@ -4,7 +4,7 @@
 
 The order (a room may include itself and what stands before it):
 
-    shaders/shared < host < transform < scene < passes < render < truth < measure, bench, image < compare < cli < command < tests
+    shaders/shared < host < transform < scene < passes < render < truth < measure, bench, image < compare, report < cli < command < tests
 
 Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
 render/ strings together. cli/ stands late and may include scene/ only: it turns words into a request and knows nothing of passes;
@@ -35,6 +35,7 @@ ROOMS = {
     "pipeline/image": (["pipeline/image", "pipeline/render", "pipeline/scene", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
     "pipeline/compare": (["pipeline/compare", "pipeline/image", "pipeline/render/frame.h", "pipeline/passes/parallel.h", "pipeline/scene", "host/error.h"],
                          ["png", "exr", "fmt"]),
+    "pipeline/report": (["pipeline/report", "pipeline/image", "host/error.h"], ["json"]),
     "pipeline/cli": (["pipeline/cli", "pipeline/scene", "host/error.h"], ["cli", "glm", "fmt"]),
     "pipeline/bench": (["pipeline/bench", "pipeline/render", "pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv", "bench_spirv"],
                        ["glm", "fmt", "eigen"]),

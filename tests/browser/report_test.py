@@ -1,0 +1,220 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The report as a reader meets it, in chromium: opened from disk, by mouse and by keyboard, narrow and wide, light and dark.
+
+usage: report_test.py REPORT_FIXTURE FOLDER    screenshots are left in FOLDER
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import Select, WebDriverWait
+
+FIXTURE, FOLDER = (os.path.abspath(path) for path in sys.argv[1:3])
+MOST_BYTES = 2_000_000
+
+
+class Report(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.page = os.path.join(FOLDER, "report.html")
+        subprocess.run([FIXTURE, cls.page], check=True, capture_output=True)
+        cls.profile = tempfile.TemporaryDirectory()
+        options = webdriver.ChromeOptions()
+        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--force-device-scale-factor=1", f"--user-data-dir={cls.profile.name}"):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        cls.browser = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.quit()
+        cls.profile.cleanup()
+
+    def setUp(self):
+        self.open(1200, dark=False)
+
+    def open(self, width, dark):
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False})
+        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
+        self.browser.get_log("browser")
+        self.browser.get_log("performance")
+        self.browser.get("file://" + self.page)
+        WebDriverWait(self.browser, 30).until(lambda b: b.execute_script("return document.body.dataset.ready") == "yes")
+
+    def find(self, css):
+        return self.browser.find_element(By.CSS_SELECTOR, css)
+
+    def all(self, css):
+        return self.browser.find_elements(By.CSS_SELECTOR, css)
+
+    def shot(self, name):
+        height = self.browser.execute_script("return document.documentElement.scrollHeight")
+        width = self.browser.execute_script("return innerWidth")
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+        self.browser.save_screenshot(os.path.join(FOLDER, name + ".png"))
+
+    def pixel(self, canvas, x, y):
+        return self.browser.execute_script("return [...document.getElementById(arguments[0]).getContext('2d').getImageData(arguments[1], arguments[2], 1, 1).data].slice(0, 3)", canvas, x, y)
+
+    def press(self, *keys):
+        for key in keys:
+            self.browser.switch_to.active_element.send_keys(key)
+
+    def test_it_is_one_small_file_that_asks_for_nothing(self):
+        self.assertLess(os.path.getsize(self.page), MOST_BYTES)
+        self.assertEqual([entry for entry in self.browser.get_log("browser")], [], "nothing on the console")
+        asked = [json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")]
+        addresses = [a["params"]["request"]["url"] for a in asked if a["method"] == "Network.requestWillBeSent"]
+        self.assertIn("file://" + self.page, addresses, "the log of requests is on")
+        self.assertEqual([u for u in addresses if not u.startswith(("file://" + self.page, "data:"))], [])
+        with open(self.page, encoding="utf-8") as f:
+            text = f.read()
+        for word in ("src=", "href="):
+            for part in text.split(word)[1:]:
+                self.assertFalse(part.lstrip("\"'").startswith(("http", "//", "file:")), part[:60])
+
+    def test_names_stay_text(self):
+        self.assertEqual(len(self.all("script")), 3)
+        self.assertIn("</script><script>alert(1)</script>", self.find("#context").text)
+        self.assertIn("disc<!--.toml", self.find("h1").text)
+        measured = self.browser.execute_script("return document.getElementById('raw').textContent")
+        self.assertEqual(json.loads(measured)["schema"], "plumb-measure-1")
+
+    def test_points_are_runs_and_the_front_is_marked(self):
+        self.assertEqual(len(self.all(".point")), 5, "two rows are one run")
+        self.assertEqual(len(self.all(".point.onfront")), 4)
+        self.assertEqual(len(self.all(".point image")), 4)
+        self.assertEqual(len(self.all(".whisker.bound")), 0)
+        Select(self.find("#metric")).select_by_value("max")
+        self.assertEqual(len(self.all(".whisker.bound")), 3, "whiskers to the bounds of three runs")
+        # A slower point lies further right, a worse one higher.
+        at = {e.get_attribute("data-key"): self.browser.execute_script("const c = arguments[0].querySelector('.dot'); return [+c.getAttribute('cx'), +c.getAttribute('cy')]", e) for e in self.all(".point")}
+        self.assertLess(at["shading/flat"][0], at["shading/gouraud"][0])
+        self.assertLess(at["shading/flat"][1], at["shading/gouraud"][1])
+
+    def column(self, number):
+        return [e.text for e in self.all(f"#table tbody td:nth-child({number})")]
+
+    def test_sorting(self):
+        self.assertEqual(self.column(2), ["flat", "gouraud", "phong", "exact", "16", "slow"], "the order of the measurement")
+        button = lambda: self.all("#table th button")[2]
+        button().click()
+        self.assertEqual([float(v) for v in self.column(3)], sorted(float(v) for v in self.column(3)))
+        self.assertEqual(self.all("#table th")[2].get_attribute("aria-sort"), "ascending")
+        self.assertEqual(self.browser.switch_to.active_element.text, "median ms", "the focus stays")
+        self.press(Keys.ENTER)
+        self.assertEqual([float(v) for v in self.column(3)], [130, 60, 11, 11, 6, 4])
+        self.all("#table th button")[10].click()  # bound: two rows have none
+        self.assertEqual(self.column(11)[-2:], ["–", "–"])
+        self.all("#table th button")[10].click()
+        self.assertEqual(self.column(11)[-2:], ["–", "–"], "what is not known stands last both ways")
+
+    def test_pictures_come_back_exactly(self):
+        """The pixels of the canvas are the fixture's own, worked out here again."""
+        Select(self.find("#left")).select_by_value("shading/flat")
+        self.find("#flip").click()
+        for x, y in ((160, 120), (100, 90), (5, 5), (220, 160)):
+            u, v = (x - 161.5) / 100, (y - 120) / 100
+            r = u * u + v * v
+            light = int((0.2 + 0.8 * max(0, (1 - r) ** 0.5 * 0.8 - u * 0.4 - v * 0.4)) * 4) / 4 if r < 1 else 0.06
+            self.assertEqual(self.pixel("over", x, y), [int(255 * min(1, light * c) + 0.5) for c in (1, 0.75, 0.5)])
+
+    def test_slider_and_flip(self):
+        clip = lambda: self.browser.execute_script("return document.getElementById('over').style.clipPath")
+        self.assertIn("50%", clip())
+        slider = self.find("#slider")
+        slider.send_keys(Keys.HOME)
+        self.assertIn("100%", clip())
+        slider.send_keys(Keys.END)
+        self.assertIn("inset(0", clip().replace("inset(0px", "inset(0"))
+        self.assertNotIn("100%", clip())
+        Select(self.find("#right")).select_by_value("shading/flat")
+        self.find("body").click()
+        name = lambda: self.find("#name-left").text
+        self.find("#stage").send_keys("f")
+        self.assertEqual(name(), "truth")
+        self.press("f")
+        self.assertEqual(name(), "shading flat")
+        self.press("f")
+        self.assertEqual(name(), "truth")
+        self.press(Keys.ESCAPE)
+        self.assertTrue(self.find("#name-right").is_displayed())
+
+    def test_microscope(self):
+        Select(self.find("#right")).select_by_value("shading/flat")
+        self.find("#slider").send_keys(Keys.HOME)
+        plain = self.pixel("under", 180, 120)
+        truth = self.browser.execute_script("return [...pictures.get('truth').data.slice(4 * (120 * 320 + 180), 4 * (120 * 320 + 180) + 3)]")
+        Select(self.find("#show")).select_by_value("error")
+        self.find("#gain").send_keys(Keys.HOME)
+        apart = [abs(p - t) for p, t in zip(plain, truth)]
+        self.assertEqual(self.pixel("under", 180, 120), apart)
+        self.find("#gain").send_keys(Keys.ARROW_RIGHT)
+        self.assertEqual(self.pixel("under", 180, 120), [min(255, 2 * v) for v in apart])
+        Select(self.find("#right")).select_by_value("shading/gouraud")
+        Select(self.find("#show")).select_by_value("bound")
+        self.assertEqual(self.pixel("under", 1, 1), [min(255, round(0.2 * 255 * 2))] * 3)
+        Select(self.find("#show")).select_by_value("ratio")
+        self.assertLess(max(self.pixel("under", 1, 1)), 255)
+        self.assertIn("error / bound", self.find("#values").text)
+
+    def test_the_lens_follows_mouse_and_keys(self):
+        stage = self.find("#stage")
+        stage.click()
+        self.assertIn("pixel (160, 120)", self.find("#values").text)
+        stage.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_DOWN)
+        self.assertIn("pixel (161, 121)", self.find("#values").text)
+        stage.send_keys(Keys.SHIFT, Keys.ARROW_LEFT)
+        self.assertIn("pixel (151, 121)", self.find("#values").text)
+
+    def test_keyboard_alone(self):
+        seen = set()
+        self.find("body").send_keys("")
+        for _ in range(60):
+            self.press(Keys.TAB)
+            focus = self.browser.switch_to.active_element
+            seen.add(focus.get_attribute("id") or focus.get_attribute("class") or focus.tag_name + " " + focus.text)
+            if focus.get_attribute("class") and "point" in focus.get_attribute("class"):
+                self.press(Keys.ARROW_RIGHT, Keys.ENTER)
+                self.assertEqual(Select(self.find("#right")).first_selected_option.get_attribute("value"), "shading/gouraud")
+        for name in ("metric", "thumbs", "left", "right", "flip", "show", "gain", "stage", "slider"):
+            self.assertIn(name, seen)
+        self.assertTrue(any("median ms" in s for s in seen))
+
+    def test_nothing_known_is_shown_as_zero(self):
+        self.assertIn("nothing is traced", self.find("#absent").text)
+        self.assertIn("no time left", self.find("#absent").text)
+        self.assertNotIn("trace", " ".join(self.column(1)))
+
+    def test_narrow_and_dark(self):
+        for width in (400, 1200):
+            for dark in (False, True):
+                self.open(width, dark)
+                wide = self.browser.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
+                self.assertLessEqual(wide[0], wide[1], "no sideways scrolling of the page")
+                clipped = self.browser.execute_script("return [...document.querySelectorAll('h1, h2, p, select, button, dd')].filter(e => !e.closest('.scroll') && e.getBoundingClientRect().right > innerWidth + 1).map(e => e.textContent)")
+                self.assertEqual(clipped, [])
+                small = self.browser.execute_script("return Math.min(...[...document.querySelectorAll('#scatter text')].map(e => e.getBoundingClientRect().height))")
+                self.assertGreater(small, 9, "the labels of the chart can be read")
+                # WCAG contrast of text on the card, worked out from what is drawn.
+                ratio = self.browser.execute_script("""
+                    const light = c => { const v = c.match(/[\\d.]+/g).slice(0, 3).map(x => x / 255).map(x => x <= .03928 ? x / 12.92 : ((x + .055) / 1.055) ** 2.4); return .2126 * v[0] + .7152 * v[1] + .0722 * v[2]; };
+                    const card = light(getComputedStyle(document.querySelector('section')).backgroundColor);
+                    return [...document.querySelectorAll('section p, section td, section dt, .tag')].map(e => { const t = light(getComputedStyle(e).color); return (Math.max(t, card) + .05) / (Math.min(t, card) + .05); }).reduce((a, b) => Math.min(a, b));""")
+                self.assertGreater(ratio, 4.5)
+                ground = self.browser.execute_script("return getComputedStyle(document.body).backgroundColor")
+                self.assertEqual(int(ground.split("(")[1].split(",")[0]) < 100, dark)
+                self.assertEqual([e for e in self.browser.get_log("browser")], [])
+                self.shot(f"report-{width}-{'dark' if dark else 'light'}")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
