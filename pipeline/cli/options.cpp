@@ -164,8 +164,8 @@ const std::vector<const char*> kFile = {"FILE"};
 const std::vector<const char*> kDeviceWords = {"auto", "twin", "lavapipe", "gpu", "software"};
 
 const std::vector<Flag> kFlags = {
-    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}' and '{aov}' are filled in; diff writes the difference as PNG", "",
-     "a path that ends in .png, .exr or .npy, or -", kFile, kRender | kVerify | kDiff, [](Options& o, const std::string& v) {
+    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}' and '{aov}' are filled in; diff writes the difference as PNG, measure a report as one HTML file", "",
+     "a path that ends in .png, .exr or .npy (measure: .html), or -", kFile, kRender | kVerify | kDiff | kMeasure, [](Options& o, const std::string& v) {
          if (v.empty()) throw Refused{};
          o.output = v;
      }},
@@ -331,7 +331,7 @@ const std::vector<CommandRow> kCommands = {
      "Rows that nothing beats in both are marked. An axis whose choice does not exist in this version is listed as absent.",
      {{{"plumb measure scene.toml", "all axes, at most two minutes"},
        {"plumb measure mug.obj --axis shading,samples --size 320x240 --csv=mug.csv", "two axes, the rows as CSV"},
-       {"plumb measure scene.toml --limit 30s --json=measure.json", "less time, with a report for programs"}}}},
+       {"plumb measure scene.toml --limit 30s -o report.html --json=measure.json", "less time, with a report for people and one for programs"}}}},
     {kDevices, "devices", "", "list what can draw",
      "Lists what the Vulkan loader finds, what would be picked and why not the others, and what the start-up self-test says.",
      {{{"plumb devices", "a list to read"},
@@ -431,6 +431,7 @@ void checkTogether(const Options& o) {
     if (o.dimensions == 2 && o.spacePoints) throw usageError("--point: with --dimensions 2 a point has two numbers");
     if (o.dimensions == 3 && o.planePoints) throw usageError("--point: a point has three numbers, unless with --dimensions 2");
     if (o.command == kDiff && !o.output.empty() && o.output != "-" && !o.output.ends_with(".png")) throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, or -", printable(o.output)));
+    if (o.command == kMeasure && !o.output.empty() && !o.output.ends_with(".html")) throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output)));
     if ((o.command & (kRender | kDiff)) != 0 && o.json && o.jsonFile.empty() && o.output == "-")
         throw usageError("--json and -o - both want standard output: use --json=FILE or -o FILE");
 }

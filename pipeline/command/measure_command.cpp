@@ -9,11 +9,13 @@
 #include "pipeline/command/views.h"
 #include "pipeline/image/image.h"
 #include "pipeline/measure/measure.h"
+#include "pipeline/report/report.h"
 #include "pipeline/scene/text.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <ctime>
 
@@ -198,6 +200,35 @@ std::string tableOf(const Measurement& m, const std::string& title, const std::a
     return text;
 }
 
+// What the report compares is what eyes see: bytes of a picture that is stored in linear light become sRGB codes.
+std::vector<uint32_t> displayed(const std::vector<uint32_t>& rgba, Encoding encoding) {
+    if (encoding == Encoding::srgb) return rgba;
+    std::array<uint32_t, 256> codes{};
+    for (size_t i = 0; i < codes.size(); ++i) codes[i] = uint32_t(std::lround(srgbCode(double(i) / 255)));
+    std::vector<uint32_t> out;
+    out.reserve(rgba.size());
+    for (const uint32_t pixel : rgba)
+        out.push_back((pixel & 0xff000000u) | codes[pixel >> 16 & 0xff] << 16 | codes[pixel >> 8 & 0xff] << 8 |
+                      codes[pixel & 0xff]);
+    return out;
+}
+
+std::string htmlOf(const Measurement& m, const Json& json) {
+    const uint32_t width = m.truth.width, height = m.truth.height;
+    ReportPicture truth{"", "", width, height, {}};
+    for (size_t i = 0; i < size_t(width) * height; ++i) {
+        uint32_t pixel = 0xff000000u;
+        for (size_t k = 0; k < 3; ++k) pixel |= uint32_t(std::lround(srgbCode(m.truth.linear[3 * i + k]))) << (8 * k);
+        truth.rgba.push_back(pixel);
+    }
+    std::vector<ReportPicture> pictures;
+    for (const Row& row : m.rows)
+        if (row.run && !m.runs[*row.run].rgba.empty())
+            pictures.push_back({row.axis->name, row.choice->name, width, height,
+                                displayed(m.runs[*row.run].rgba, m.runs[*row.run].setting.request.encoding)});
+    return reportHtml(json, truth, pictures);
+}
+
 std::vector<const Axis*> axesOf(const Options& options) {
     std::vector<const Axis*> chosen;
     for (const std::string& name : options.axes) {
@@ -216,8 +247,9 @@ Exit measureCommand(const Options& options) {
     plan.axes = axesOf(options);
     plan.limitMs = options.limitMs;
     plan.repetitions = options.repetitions;
+    plan.keepPictures = !options.output.empty();
     if (options.views.size() > 1) throw usageError("measure looks from one place: give --view once at most");
-    for (const std::string& file : {options.jsonFile, options.csvFile})
+    for (const std::string& file : {options.output, options.jsonFile, options.csvFile})
         if (!file.empty()) checkWritable(file, options.noClobber);
     if (options.json && options.csv && options.jsonFile == options.csvFile)
         throw usageError("--json and --csv both want the same place: name a file for one of them");
@@ -266,7 +298,12 @@ Exit measureCommand(const Options& options) {
     if (options.csv && options.csvFile.empty()) printData(csv);
     if (options.csv && !options.csvFile.empty())
         writeFileAtomically(options.csvFile, std::as_bytes(std::span(csv)), options.noClobber);
-    writeJson(options, {measurementJson(m, contextJson(renderer, scene, sources, plan, m, load))});
+    const Json json = measurementJson(m, contextJson(renderer, scene, sources, plan, m, load));
+    if (!options.output.empty()) {
+        const std::string html = htmlOf(m, json);
+        writeFileAtomically(options.output, std::as_bytes(std::span(html)), options.noClobber);
+    }
+    writeJson(options, {json});
     return Exit::done;
 }
 

@@ -430,6 +430,19 @@ class Measure(Command):
             self.assertEqual(done.stdout, b"")
         self.assertEqual(self.files(), ["cube.obj"])
 
+    def test_measure_writes_a_report_for_people(self):
+        self.twin(0, "measure", "cube.obj", "--axis", "shading,encoding", "--repetitions", "2", "-o", "r.html", "-q")
+        page = self.read("r.html").decode()
+        self.assertLess(len(page), 2_000_000)
+        shown = json.loads(page.split('id="pictures">')[1].split("</script>")[0])
+        self.assertEqual(shown["size"], [64, 48])
+        self.assertTrue({"shading/flat", "shading/phong", "encoding/linear"} <= set(shown["of"]))
+        self.assertEqual(shown["leftOut"], [])
+        self.assertEqual(json.loads(page.split('id="measurement">')[1].split("</script>")[0])["schema"], "plumb-measure-1")
+        self.twin(2, "measure", "cube.obj", "-o", "r.png", says=".html")
+        self.twin(5, "measure", "cube.obj", "-o", "no/such/r.html")
+        self.assertEqual(self.files(), ["cube.obj", "r.html"])
+
     def test_limit_cuts_and_lists(self):
         report = json.loads(self.twin(0, "measure", "cube.obj", "--limit", "1ms", "--json").stdout)
         self.assertTrue(report["cut"])

@@ -85,6 +85,7 @@ TEST(Options, AreRefusedWithAReason) {
         {"", "a command is missing"},
         {"rendr a.obj", "did you mean 'render'?"},
         {"a.obj", "is not a command"},
+        {"measure a.toml -o a.png", "accepted: a path that ends in .html"},
         {"diff a", "needs two pictures, and 1 are given"},
         {"diff a b c", "needs two pictures"},
         {"diff a b -o x.exr", "accepted: a path that ends in .png"},
