@@ -91,7 +91,7 @@ class Report(unittest.TestCase):
     def test_points_are_runs_and_the_front_is_marked(self):
         self.assertEqual(len(self.all(".point")), 5, "two rows are one run")
         self.assertEqual(len(self.all(".point.onfront")), 4)
-        self.assertEqual(len(self.all(".point image")), 4)
+        self.assertEqual(len(self.all("#scatter image")), 4)
         self.assertEqual(len(self.all(".whisker.bound")), 0)
         Select(self.find("#metric")).select_by_value("max")
         self.assertEqual(len(self.all(".whisker.bound")), 3, "whiskers to the bounds of three runs")
