@@ -12,7 +12,7 @@ namespace plumb {
 
 // What a choice drew: encoded RGBA8 as Frame::rgba, row 0 on top.
 struct ReportPicture {
-    std::string axis, choice;      // of the rows that drew it; several rows with one picture name it once each
+    std::string axis, choice;  // of the rows that drew it; several rows with one picture name it once each
     uint32_t width = 0, height = 0;
     std::vector<uint32_t> rgba;
 };
@@ -24,6 +24,7 @@ inline constexpr uint32_t kMostReportPixels = 640 * 480;
 
 // `measurement`: the object of `plumb measure --json` (docs/outputs.md). `truth` and `pictures` have one size; pictures of an axis and choice that no
 // row has are an error of ours. Colour only: alpha is dropped.
-std::string reportHtml(const nlohmann::ordered_json& measurement, const ReportPicture& truth, std::span<const ReportPicture> pictures);
+std::string reportHtml(const nlohmann::ordered_json& measurement, const ReportPicture& truth,
+                       std::span<const ReportPicture> pictures);
 
 }  // namespace plumb

@@ -30,10 +30,25 @@ ReportPicture disc(const char* axis, const char* choice, double steps, double sh
 }
 
 Json row(const char* axis, const char* choice, double ms, double error, Json bound, bool front, bool baseline = false) {
-    return {{"axis", axis}, {"choice", choice}, {"what", "made up"}, {"baseline", baseline}, {"absent", false}, {"why", nullptr}, {"verdict", "bits"},
-            {"timeMs", {{"median", ms}, {"min", ms * 0.9}, {"max", ms * 1.3}, {"n", 5}}}, {"passesMs", {{"transform", ms * 0.1}, {"fill", ms * 0.6}, {"encode", ms * 0.1}}},
-            {"error", {{"max", error * 4}, {"maxAt", {200, 100}}, {"p99", error * 3}, {"mean", error / 2}, {"rms", error}, {"wrongPrimitiveShare", error / 10}}},
-            {"bound", bound}, {"boundKind", bound.is_null() ? Json() : Json("proved")}, {"onFront", front}};
+    return {{"axis", axis},
+            {"choice", choice},
+            {"what", "made up"},
+            {"baseline", baseline},
+            {"absent", false},
+            {"why", nullptr},
+            {"verdict", "bits"},
+            {"timeMs", {{"median", ms}, {"min", ms * 0.9}, {"max", ms * 1.3}, {"n", 5}}},
+            {"passesMs", {{"transform", ms * 0.1}, {"fill", ms * 0.6}, {"encode", ms * 0.1}}},
+            {"error",
+             {{"max", error * 4},
+              {"maxAt", {200, 100}},
+              {"p99", error * 3},
+              {"mean", error / 2},
+              {"rms", error},
+              {"wrongPrimitiveShare", error / 10}}},
+            {"bound", bound},
+            {"boundKind", bound.is_null() ? Json() : Json("proved")},
+            {"onFront", front}};
 }
 
 }  // namespace
@@ -42,17 +57,32 @@ int main(int count, char** arguments) {
     if (count != 2) return 2;
     Json m;
     m["schema"] = "plumb-measure-1";
-    m["context"] = {{"device", {{"name", "a device"}, {"type", "cpu"}}}, {"cpu", "a processor </script><script>alert(1)</script>"}, {"threads", 2}, {"load", {0.5, 0.4, 0.3}},
-                    {"build", {{"version", "0.1.0"}, {"git", "0123456789abcdef"}}}, {"scene", {{"path", "scenes/disc<!--.toml"}, {"triangles", 1234}}}, {"size", {kWidth, kHeight}}, {"samples", 1}, {"repetitions", 5}};
+    m["context"] = {{"device", {{"name", "a device"}, {"type", "cpu"}}},
+                    {"cpu", "a processor </script><script>alert(1)</script>"},
+                    {"threads", 2},
+                    {"load", {0.5, 0.4, 0.3}},
+                    {"build", {{"version", "0.1.0"}, {"git", "0123456789abcdef"}}},
+                    {"scene", {{"path", "scenes/disc<!--.toml"}, {"triangles", 1234}}},
+                    {"size", {kWidth, kHeight}},
+                    {"samples", 1},
+                    {"repetitions", 5}};
     m["truth"] = {{"kind", "binary64 oracle"}, {"samples", 16}, {"redone", 3}};
-    m["rows"] = Json::array({row("shading", "flat", 4, 0.03, nullptr, true), row("shading", "gouraud", 6, 0.011, 0.2, true), row("shading", "phong", 11, 0.002, 0.05, true, true), row("fill", "exact", 11, 0.002, 0.05, false, true),
-                             row("samples", "16", 130, 0, nullptr, true), row("specular", "slow", 60, 0.009, 0.15, false)});
-    m["rows"].push_back({{"axis", "trace"}, {"choice", "depth"}, {"absent", true}, {"why", "nothing is traced"}, {"timeMs", nullptr}, {"error", nullptr}});
+    m["rows"] = Json::array(
+        {row("shading", "flat", 4, 0.03, nullptr, true), row("shading", "gouraud", 6, 0.011, 0.2, true),
+         row("shading", "phong", 11, 0.002, 0.05, true, true), row("fill", "exact", 11, 0.002, 0.05, false, true),
+         row("samples", "16", 130, 0, nullptr, true), row("specular", "slow", 60, 0.009, 0.15, false)});
+    m["rows"].push_back({{"axis", "trace"},
+                         {"choice", "depth"},
+                         {"absent", true},
+                         {"why", "nothing is traced"},
+                         {"timeMs", nullptr},
+                         {"error", nullptr}});
     m["front"] = Json::array();
     m["cut"] = Json::array({{{"axis", "samples"}, {"choice", "64"}, {"why", "no time left"}}});
     const ReportPicture truth = disc("", "", 0, 0);
-    const std::vector<ReportPicture> pictures = {disc("shading", "flat", 4, 1.5), disc("shading", "gouraud", 12, 0.5), disc("shading", "phong", 60, 0.2), disc("fill", "exact", 60, 0.2), disc("samples", "16", 0, 0),
-                                                 disc("specular", "slow", 30, 0)};
+    const std::vector<ReportPicture> pictures = {disc("shading", "flat", 4, 1.5),   disc("shading", "gouraud", 12, 0.5),
+                                                 disc("shading", "phong", 60, 0.2), disc("fill", "exact", 60, 0.2),
+                                                 disc("samples", "16", 0, 0),       disc("specular", "slow", 30, 0)};
     const std::string html = plumb::reportHtml(m, truth, pictures);
     plumb::writeFileAtomically(arguments[1], std::as_bytes(std::span(html)), false);
     std::printf("%zu bytes\n", html.size());
