@@ -39,7 +39,7 @@ Filled filled(const std::vector<gpu::ScanCorner>& polygon, int width, int height
 std::vector<uint32_t> columnsOf(const ScanCanvas& canvas, int width, int y) {
     std::vector<uint32_t> columns;
     for (int x = 0; x < width; ++x)
-        if (canvas.owner[size_t(y * width + x)] != gpu::kNoPolygon) columns.push_back(uint32_t(x));
+        if (canvas.owner[size_t(y) * size_t(width) + size_t(x)] != gpu::kNoPolygon) columns.push_back(uint32_t(x));
     return columns;
 }
 
@@ -208,7 +208,7 @@ RenderResult plane(const std::string& faces) {
     RenderRequest r = request(Shading::unlit);
     r.width = r.height = 40;
     EXPECT_EQ(scene.fill, Fill::notes);
-    const RenderResult twin = renderCpu(scene, r);
+    RenderResult twin = renderCpu(scene, r);
     expectSameFrame(twin.frame, renderGpu(*DeviceEnvironment::device(), scene, r).frame);
     return twin;
 }

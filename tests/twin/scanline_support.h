@@ -9,7 +9,7 @@ namespace plumb::test {
 
 inline ScanCanvas sameOnBothSides(const ScanList& list, std::vector<gpu::ScanSpan>* lines) {
     std::vector<gpu::ScanSpan> wantSpans, gotSpans;
-    const ScanCanvas want = scanlineCpu(list, &wantSpans);
+    ScanCanvas want = scanlineCpu(list, &wantSpans);
     EXPECT_EQ(wantSpans.size(), list.spans);
     if (lines) *lines = wantSpans;
     if (!DeviceEnvironment::device()) {
