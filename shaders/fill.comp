@@ -31,6 +31,10 @@ layout(constant_id = 13) const uint kWrite = 0u;          // of kPlanes: to writ
 layout(constant_id = 14) const uint kSubgroupSize = 8u;   // 8, 16, 32 or 64: clusters of 8 share a tile
 #endif
 
+layout(constant_id = 15) const uint kPower = 0u;          // kPowerExact or kPowerSchlick
+layout(constant_id = 16) const bool kAffine = false;      // attributes without perspective
+layout(constant_id = 17) const uint kDepthBits = 32u;     // 32: float; else fixed point
+
 layout(push_constant, scalar) uniform Push { FillPush push; };
 layout(binding = 1) uniform usamplerBuffer draws;
 layout(binding = 2) uniform usamplerBuffer screen;
@@ -102,6 +106,7 @@ void cover(ivec3 q, ivec3 a, ivec3 b, ivec3 hi, ivec3 lo, DepthPlane depth, int 
         vec4 e2 = kWide ? edgeReal(hi.z, lo.z, a.z, b.z, r) : vec4(f2);
         vec4 e0 = kWide ? edgeReal(hi.x, lo.x, a.x, b.x, r) : vec4(f0);
         ivec4 here = depthBits(e2, e0, depth.k1, depth.k2, depth.zc, depth.low, depth.high);
+        if (kDepthBits < 32u) here = coarseDepth(here, kDepthBits);
         // wins(): here > z, or equal and the lower triangle; both operands are bits of floats in [0, 1].
         ivec4 key = here + ivec4(lessThan(ivec4(name), id[r]));
         bvec4 win = lessThan((z[r] - key) & ~(f0 | f1 | f2), ivec4(0));
@@ -177,7 +182,8 @@ void main() {
         // both are bounds of the depth itself, so what lies behind is left out without changing a bit.
         ivec3 least = e.q + min(e.a, 0) * (kTileWidth - 1) + min(e.b, 0) * (kTileHeight - 1);
         hiddenBelow = max(hiddenBelow, tileMax((least.x | least.y | least.z) >= 0 ? depth.low : 0));
-        blocks = depth.high < hiddenBelow ? 0u : blocks;
+        // Not with a coarser depth, in which what lies behind may tie and be the lower triangle.
+        if (kDepthBits == 32u) blocks = depth.high < hiddenBelow ? 0u : blocks;
         uint todo = 0u;
         [[unroll]] for (uint i = 0u; i < 8u; ++i) todo |= ((subgroupShuffle(blocks, base | i) >> lane) & 1u) << i;
         uint steps = clusterMax(uint(bitCount(todo)));
@@ -251,6 +257,7 @@ void main() {
             rho = vec3(e.rho) * 0.00390625;
             w = vec3(uintBitsToFloat(v0.z), uintBitsToFloat(v1.z), uintBitsToFloat(v2.z)) *
                 weightScale(max(max(int(v0.z), int(v1.z)), int(v2.z)));
+            if (kAffine) w = vec3(1.0);
             a0 = texelFetch(carried, int(d.x)).xyz * w.x;
             a1 = texelFetch(carried, int(d.y)).xyz * w.y;
             a2 = texelFetch(carried, int(d.z)).xyz * w.z;
@@ -280,7 +287,7 @@ void main() {
         rounds++;
     } while (current != 0 && rounds < 17);
 
-    ShadeParts parts = ShadeParts(kDiffuse, kSpecular, kPointLights);
+    ShadeParts parts = ShadeParts(kDiffuse, kSpecular, kPointLights, kPower);
     int lightCount = kOneLight ? 1 : int(push.lightCount);
     [[unroll]] for (int r = 0; r < 4; ++r) {
         Real x = vec4(float(pixel.x) + 0.5) + vec4(0.0, 1.0, 2.0, 3.0);

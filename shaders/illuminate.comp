@@ -10,6 +10,8 @@ layout(constant_id = 2) const bool kDiffuse = true;
 layout(constant_id = 3) const bool kSpecular = true;
 layout(constant_id = 4) const bool kPointLights = true;
 
+layout(constant_id = 5) const uint kPower = 0u;
+
 layout(push_constant, scalar) uniform Push { IlluminatePush push; };
 layout(binding = 1) uniform samplerBuffer positions;
 layout(binding = 2) uniform samplerBuffer normals;
@@ -45,7 +47,7 @@ void main() {
     if (lightCount > 0) {
         do {
             addLight(texelFetch(lights, light * kLightTexels), texelFetch(lights, light * kLightTexels + 1), surface, k,
-                     ShadeParts(kDiffuse, kSpecular, kPointLights), c);
+                     ShadeParts(kDiffuse, kSpecular, kPointLights, kPower), c);
             light++;
         } while (light < lightCount);
     }

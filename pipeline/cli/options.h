@@ -74,6 +74,7 @@ struct Options {
     bool csv = false;
     std::string csvFile;                    // empty: stdout
 
+    std::vector<std::pair<std::string, std::string>> trade;   // axis, choice
     bool withError = false;
     bool explain = false, quiet = false;
     uint32_t verbose = 0;

@@ -269,6 +269,7 @@ Exit measureCommand(const Options& options) {
     plan.base.request = requestOf(options, scene, size);
     if (plan.base.request.shading == Shading::wire)
         throw usageError("--shading: wire has no truth to be measured against; it is a row of the axis 'shading'");
+    if (plan.base.request.fill == Fill::notes) throw usageError("measure: the truth is sampled in the middle of pixels, and --fill notes samples whole coordinates");
     plan.base.request.onProgress = [](double) { return interruptedBy() == 0; };
     plan.base.twin = !plan.deviceThere;
     plan.draw = [&renderer](const Scene& drawn, const Setting& setting) {

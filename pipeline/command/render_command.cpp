@@ -8,6 +8,7 @@
 #include "pipeline/command/request.h"
 #include "pipeline/command/views.h"
 #include "pipeline/image/image.h"
+#include "pipeline/measure/axes.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -102,6 +103,8 @@ Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest&
     metadata["fill"] = nameOf(request.fill);
     metadata["samples"] = std::to_string(request.samples);
     metadata["encoding"] = nameOf(request.encoding);
+    // Nothing for the default, whose files stay as they are.
+    if (request.trade != Trade{}) metadata["trade"] = wordsOf({request, true});
     metadata["camera"] = cameraJson(view.camera).dump();
     metadata["determinism"] = "bits";
     return metadata;

@@ -2,6 +2,7 @@
 #include "pipeline/command/request.h"
 
 #include "pipeline/command/interrupt.h"
+#include "pipeline/measure/axes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,6 +47,9 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
         request.transparent = options.background->transparent;
         for (int c = 0; c < 3; ++c) request.background[c] = request.transparent ? 0 : linearFromByte(options.background->rgb[size_t(c)], request.encoding);
     }
+    Setting setting{request, false};
+    for (const auto& [axis, choice] : options.trade) apply(setting, axis, choice);
+    request.trade = setting.request.trade;
     request.threads = options.threads;
     request.chunkTriangles = options.limitChunk;
     request.bandRows = options.limitBand;

@@ -29,6 +29,31 @@ void useThreads(Setting& s) {
 void useDevice(Setting& s) { s.twin = false; }
 void useTwin(Setting& s) { s.twin = true; }
 
+using Specular = Trade::Specular;
+using Vectors = Trade::Vectors;
+template <Specular value>
+void shine(Setting& s) {
+    s.request.trade.specular = value;
+}
+template <Vectors value>
+void direct(Setting& s) {
+    s.request.trade.vectors = value;
+}
+template <bool value>
+void beAffine(Setting& s) {
+    s.request.trade.affine = value;
+}
+template <uint32_t value>
+void useDepthBits(Setting& s) {
+    s.request.trade.depthBits = value;
+}
+template <uint32_t value>
+void useSubpixelBits(Setting& s) {
+    s.request.trade.subpixelBits = value;
+}
+// The only one that there is.
+void keep(Setting&) {}
+
 // In the order in which a picture is made.
 const std::vector<Axis> kAxes = {
     {"shading",
@@ -40,68 +65,57 @@ const std::vector<Axis> kAxes = {
       {"phong", Verdict::bits, shade<Shading::phong>, "one illumination a pixel"}}},
     {"transform",
      "numbers in which vertices are projected",
-     {{"fp64", Verdict::bits, nullptr, "vertices are projected in float32; a binary64 kernel does not exist yet"},
-      {"block-integer", Verdict::bits, nullptr, "a block-scaled integer kernel does not exist yet"}}},
+     {{"fp32", Verdict::bits, keep, "float32, from a composite matrix made in binary64"},
+      {"fp64", Verdict::bits, nullptr, "there is no binary64 kernel in this version"},
+      {"block-integer", Verdict::bits, nullptr, "there is no block-scaled integer kernel in this version"}}},
     {"subpixel",
      "bits of a vertex below the pixel",
-     {{"8", Verdict::bits, [](Setting&) {}, "vertices snapped to 1/256 px"},
-      {"4", Verdict::bits, nullptr, "the screen grid has 8 bits throughout"}}},
+     {{"8", Verdict::bits, useSubpixelBits<8>, "vertices snapped to 1/256 px: off by 1/512 px at most"},
+      {"4", Verdict::bits, useSubpixelBits<4>, "vertices snapped to 1/16 px: off by 1/32 px at most"}}},
     {"fill",
      "which pixels a triangle covers",
-     {{"exact", Verdict::bits, [](Setting&) {}, "exact edge values, top-left rule"},
-      {"notes", Verdict::bits, nullptr, "the lecture notes' span filler is not a choice of this version"}}},
+     {{"exact", Verdict::bits, keep, "exact edge values, top-left rule"},
+      {"notes", Verdict::bits, nullptr, "it samples whole coordinates, and the truth here the middle of pixels"}}},
     {"interpolation",
      "how attributes run across a triangle",
-     {{"perspective", Verdict::bits, [](Setting&) {}, "weighted by 1/w"},
-      {"affine", Verdict::bits, nullptr, "there is no affine kernel yet"}}},
+     {{"perspective", Verdict::bits, beAffine<false>, "weighted by 1/w"}, {"affine", Verdict::bits, beAffine<true>, "linear on the screen"}}},
     {"depth",
      "what the Z-buffer holds",
-     {{"reversed-float32", Verdict::bits, [](Setting&) {}, "n/w as float32"},
-      {"16", Verdict::bits, nullptr, "there is no 16-bit depth yet"},
-      {"24", Verdict::bits, nullptr, "there is no 24-bit depth yet"}}},
+     {{"reversed-32", Verdict::bits, useDepthBits<32>, "n/w as float32"},
+      {"24", Verdict::bits, useDepthBits<24>, "n/w in fixed point: off by less than 2^-24"},
+      {"16", Verdict::bits, useDepthBits<16>, "n/w in fixed point: off by less than 2^-16"}}},
     {"normals",
      "length of interpolated normals",
-     {{"normalised", Verdict::bits, [](Setting&) {}, "made unit at every pixel"},
-      {"as-interpolated", Verdict::bits, nullptr, "there is no kernel without it yet"}}},
+     {{"normalised", Verdict::bits, keep, "made unit at every pixel"}, {"as-interpolated", Verdict::bits, nullptr, "there is no kernel without it in this version"}}},
     {"light-vector",
      "where the directions to lights and eye are computed",
-     {{"pixel", Verdict::bits, [](Setting&) {}, "at every pixel"},
-      {"scene", Verdict::bits, nullptr, "there is no kernel with one direction a scene yet"}}},
+     {{"pixel", Verdict::bits, direct<Vectors::pixel>, "at every pixel"},
+      {"vertex", Verdict::bits, nullptr, "only with the colour: shading gouraud"},
+      {"face", Verdict::bits, nullptr, "only with the colour: shading flat"},
+      {"scene", Verdict::bits, direct<Vectors::scene>, "one to the eye, and to each light from the framed centre"}}},
     {"specular",
      "the power of the highlight",
-     {{"exact", Verdict::bits, [](Setting&) {}, "polynomials of our own"},
-      {"native", Verdict::bounded, nullptr, "the device's pow is not used yet"},
-      {"schlick", Verdict::bits, nullptr, "Schlick's quotient is not written yet"}}},
-    {"rate",
-     "pixels that are shaded",
-     {{"1", Verdict::bits, [](Setting&) {}, "every one"},
-      {"1/2", Verdict::bits, nullptr, "there is no coarser shading yet"}}},
+     {{"exact", Verdict::bits, shine<Specular::exact>, "polynomials of our own"},
+      {"schlick", Verdict::bits, shine<Specular::schlick>, "a quotient: at most 0.2037 above the power for exponents from 1"},
+      {"native", Verdict::bounded, nullptr, "the device's pow is kept out of the exact modules"}}},
+    {"rate", "pixels that are shaded", {{"1", Verdict::bits, keep, "every one"}, {"1/2", Verdict::bits, nullptr, "there is no coarser shading in this version"}}},
     {"encode",
      "how light becomes bytes",
-     {{"threshold", Verdict::bits, [](Setting&) {}, "the correctly rounded code, by 255 thresholds"},
-      {"native", Verdict::bounded, nullptr, "the device's pow is not used yet"}}},
+     {{"threshold", Verdict::bits, keep, "the correctly rounded code, by 255 thresholds"},
+      {"native", Verdict::bounded, nullptr, "the device's pow is kept out of the exact modules"}}},
     {"encoding",
      "the curve of the bytes",
-     {{"srgb", Verdict::bits, encode<Encoding::srgb>, "IEC 61966-2-1"},
-      {"linear", Verdict::bits, encode<Encoding::linear>, "bytes in proportion to light"}}},
+     {{"srgb", Verdict::bits, encode<Encoding::srgb>, "IEC 61966-2-1"}, {"linear", Verdict::bits, encode<Encoding::linear>, "bytes in proportion to light"}}},
     {"samples",
      "samples a pixel",
      {{"1", Verdict::bits, sample<1>, "the pixel's centre"},
       {"4", Verdict::bits, sample<4>, "2x2, resolved in linear light"},
       {"16", Verdict::bits, sample<16>, "4x4, resolved in linear light"}}},
-    {"trace",
-     "rays after the first",
-     {{"depth", Verdict::bits, nullptr, "nothing is traced in this version"},
-      {"cutoff", Verdict::bits, nullptr, "nothing is traced in this version"}}},
-    {"renderer",
-     "what draws",
-     {{"device", Verdict::bits, useDevice, "the Vulkan device"},
-      {"twin", Verdict::bits, useTwin, "the CPU twin on all threads"}}},
+    {"trace", "rays after the first", {{"depth", Verdict::bits, nullptr, "nothing is traced here"}, {"cutoff", Verdict::bits, nullptr, "nothing is traced here"}}},
+    {"renderer", "what draws", {{"device", Verdict::bits, useDevice, "the Vulkan device"}, {"twin", Verdict::bits, useTwin, "the CPU twin on all threads"}}},
     {"threads",
      "threads of the CPU twin",
-     {{"1", Verdict::bits, useThreads<1>, "one"},
-      {"2", Verdict::bits, useThreads<2>, "two"},
-      {"4", Verdict::bits, useThreads<4>, "four"}}},
+     {{"1", Verdict::bits, useThreads<1>, "one"}, {"2", Verdict::bits, useThreads<2>, "two"}, {"4", Verdict::bits, useThreads<4>, "four"}}},
 };
 
 }  // namespace
@@ -113,11 +127,25 @@ const char* nameOf(Verdict verdict) {
 
 std::string wordsOf(const Setting& s) {
     const RenderRequest& r = s.request;
-    return fmt::format("shading={} encoding={} samples={} renderer={}{}", int(r.shading), int(r.encoding), r.samples,
+    static constexpr const char* kShadings[] = {"wire", "unlit", "flat", "gouraud", "phong"};
+    const Trade& t = r.trade;
+    return fmt::format("shading={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} renderer={}{}", kShadings[size_t(r.shading)],
+                       r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, t.specular == Specular::exact ? "exact" : "schlick",
+                       t.vectors == Vectors::pixel ? "pixel" : "scene", t.affine ? "affine" : "perspective", t.depthBits, t.subpixelBits,
                        s.twin ? "twin" : "device", s.twin ? fmt::format(" threads={}", r.threads) : "");
 }
 
 std::span<const Axis> axes() { return kAxes; }
+
+void apply(Setting& setting, const std::string& axisName, const std::string& choiceName) {
+    const Axis& axis = axisOf(axisName);
+    std::string accepted;
+    for (const Choice& choice : axis.choices) {
+        if (choice.apply != nullptr && choiceName == choice.name) return choice.apply(setting);
+        if (choice.apply != nullptr) accepted += (accepted.empty() ? "" : ", ") + std::string(choice.name);
+    }
+    throw usageError(fmt::format("'{}={}' is refused; accepted for {}: {}", axisName, choiceName, axisName, accepted.empty() ? "nothing in this version" : accepted));
+}
 
 const Axis& axisOf(const std::string& name) {
     std::string accepted;

@@ -36,6 +36,8 @@ struct Axis {
 };
 
 std::span<const Axis> axes();
+// Turns one knob. Throws Error(usage) with the accepted names.
+void apply(Setting& setting, const std::string& axis, const std::string& choice);
 // Throws Error(usage) with the accepted names.
 const Axis& axisOf(const std::string& name);
 

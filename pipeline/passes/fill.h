@@ -14,8 +14,10 @@ namespace plumb {
 // What the plan lets the kernel leave out, and what it shall leave behind.
 struct FillChoices {
     uint32_t shading = gpu::kShadingPhong;
-    gpu::ShadeParts parts{true, true, true};
+    gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
     bool oneMaterial = false, oneLight = false;
+    bool affine = false;                 // attributes without perspective
+    uint32_t depthBits = 32;             // 32: float32; 16, 24: fixed point
     uint32_t encoding = gpu::kEncodeSrgb;
     uint32_t planes = 0;                 // gpu::kFillPlane bits that the plane buffer holds
     uint32_t write = 0;                  // of these: to write
@@ -23,9 +25,9 @@ struct FillChoices {
     uint32_t subgroupSize = 0;           // device: 0 = every invocation sets up every triangle; else shared by shuffles
 };
 
-// Twin, first half: z bits and drawn triangle + 1 (0: none) of every pixel of a frame.
+// Twin, first half: z bits (of `depthBits`) and drawn triangle + 1 (0: none) of every pixel of a frame.
 void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen,
-             std::span<int> z, std::span<uint32_t> draw, uint32_t threads);
+             std::span<int> z, std::span<uint32_t> draw, uint32_t threads, uint32_t depthBits = 32);
 
 // Twin, second half: linear colour (3 floats a pixel) and, when asked for, unit normals of the covered pixels.
 void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoices& choices, std::span<const gpu::DrawTriangle> draws,

@@ -59,7 +59,7 @@ struct Geometry {
 }  // namespace
 
 void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen,
-             std::span<int> z, std::span<uint32_t> draw, uint32_t threads) {
+             std::span<int> z, std::span<uint32_t> draw, uint32_t threads, uint32_t depthBits) {
     parallelBands(uint64_t(frame.rows), 8, threads, [&](uint64_t begin, uint64_t end) {
         const int64_t bandFirst = frame.firstRow + int64_t(begin), bandLast = frame.firstRow + int64_t(end) - 1;
         std::fill(z.begin() + ptrdiff_t(begin * frame.width), z.begin() + ptrdiff_t(end * frame.width), 0);
@@ -78,7 +78,8 @@ void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draw
                 const auto [first, last] = g.span(row, frame.width);
                 for (int64_t x = first; x <= last; ++x) {
                     const size_t at = size_t(row - frame.firstRow) * size_t(frame.width) + size_t(x);
-                    const int here = gpu::depthBits(g.whole(2, x, row), g.whole(0, x, row), plane.k1, plane.k2, plane.zc, plane.low, plane.high);
+                    int here = gpu::depthBits(g.whole(2, x, row), g.whole(0, x, row), plane.k1, plane.k2, plane.zc, plane.low, plane.high);
+                    if (depthBits < 32) here = gpu::coarseDepth(here, depthBits);
                     if (!gpu::wins(here, int(t + 1), z[at], int(draw[at]))) continue;
                     z[at] = here;
                     draw[at] = t + 1;
@@ -107,7 +108,7 @@ void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoice
                 for (int i = 0; i < 3; ++i) e[i] = g.whole(i, x, y) + g.rho(i);
                 int highest = 0;
                 for (uint32_t v : d.vertex) highest = std::max(highest, gpu::bitsOf(screen[v].z));
-                for (int i = 0; i < 3; ++i) w[i] = screen[d.vertex[i]].z * gpu::weightScale(highest);
+                for (int i = 0; i < 3; ++i) w[i] = choices.affine ? 1.0f : screen[d.vertex[i]].z * gpu::weightScale(highest);
                 const glm::vec4 &a0 = carried[d.vertex[0]], &a1 = carried[d.vertex[1]], &a2 = carried[d.vertex[2]];
                 for (int i = 0; i < 3; ++i) value[size_t(i)] = gpu::weigh(a0[i] * w[0], a1[i] * w[1], a2[i] * w[2], e[0], e[1], e[2]);
                 value[3] = gpu::weigh(w[0], w[1], w[2], e[0], e[1], e[2]);

@@ -21,6 +21,9 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
     constants[11] = choices.wide;
     constants[12] = choices.colour;
     constants[13] = choices.write;
+    constants[15] = choices.parts.power;
+    constants[16] = choices.affine;
+    constants[17] = choices.depthBits;
     // Wide triangles need more words than are worth shuffling.
     const bool shuffle = choices.subgroupSize >= 8 && choices.subgroupSize <= 64 && !choices.wide;
     if (shuffle) constants[14] = choices.subgroupSize;

@@ -14,6 +14,7 @@ void recordIlluminate(Recorder& recorder, const gpu::IlluminatePush& push, const
     constants[2] = parts.diffuse;
     constants[3] = parts.specular;
     constants[4] = parts.point;
+    constants[5] = parts.power;
     recorder.dispatch("illuminate", spirv::illuminate, (uint64_t(push.pointCount) + 3) / 4, push,
                       {texels(positions, View::texelF32x4), texels(normals, View::texelF32x4),
                        texels(pointMaterials, View::texelU32), storage(objects), texels(materials, View::texelF32x4),

@@ -175,8 +175,23 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
     list.ranges.push_back(r);
 }
 
+// A point light as the framed centre sees it: one direction, and what reaches that place.
+Light lampFromCentre(const Light& light, const Camera& camera) {
+    if (light.directional) return light;
+    const glm::dvec3 toLamp = light.position - (camera.eye + camera.forward * camera.focusDistance);
+    const double distance = glm::length(toLamp);
+    if (!(distance > 0)) return light;    // it stands there: no direction
+    Light far = light;
+    far.directional = true;
+    far.direction = toLamp;
+    far.attenuation = Attenuation::none;
+    far.intensity = glm::vec3(glm::dvec3(light.intensity) / std::pow(distance, int(light.attenuation)));
+    return far;
+}
+
 void planLights(const Scene& scene, const RenderRequest& request, const Pinhole& view, Prepared& p) {
-    for (const Light& light : scene.lights) {
+    for (const Light& stated : scene.lights) {
+        const Light light = request.trade.vectors == Trade::Vectors::scene ? lampFromCentre(stated, *scene.camera) : stated;
         if (isZero(light.intensity) && !request.keepEverything) {
             p.plan.dropped.push_back({"light", "its intensity is 0"});
             continue;
@@ -215,6 +230,7 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
         case Shading::gouraud: c.shading = gpu::kShadingGouraud; break;
         case Shading::phong: c.shading = gpu::kShadingPhong; break;
     }
+    c.parts.power = request.trade.specular == Trade::Specular::schlick ? gpu::kPowerSchlick : gpu::kPowerExact;
     if (c.shading == gpu::kShadingUnlit) {
         c.parts = {false, false, false};
         p.list.lights.clear();
@@ -231,7 +247,7 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
         for (gpu::MaterialRecord& m : p.list.materials) m.diffuse = m.base;
         return;
     }
-    c.parts = {diffuse, specular, point};
+    c.parts = {diffuse, specular, point, c.parts.power};
     if (!diffuse) p.plan.dropped.push_back({"diffuse", "Kd is 0 everywhere"});
     if (!specular) p.plan.dropped.push_back({"specular", "Ks is 0 everywhere"});
     if (!point) p.plan.dropped.push_back({"surface position", "no point light"});
@@ -266,6 +282,17 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     list.rayOrigin = glm::vec3(view.forward - view.right * (width / 2 / view.focal) - view.down * (height / 2 / view.focal));
     list.rayX = glm::vec3(view.right / view.focal);
     list.rayY = glm::vec3(view.down / view.focal);
+    p.rayOrigin = list.rayOrigin;
+    p.rayX = list.rayX;
+    p.rayY = list.rayY;
+    const Trade& trade = request.trade;
+    list.viewport.droppedBits = trade.subpixelBits == 4 ? 4 : 0;
+    p.choices.affine = trade.affine;
+    p.choices.depthBits = trade.depthBits;
+    if (trade.vectors == Trade::Vectors::scene) {
+        list.rayOrigin = glm::vec3(view.forward);
+        list.rayX = list.rayY = glm::vec3(0);
+    }
     std::vector<uint32_t> materialSlot(scene.materials.size(), kNone);
     p.counters.objects = scene.objects.size();
     for (uint32_t i = 0; i < scene.objects.size(); ++i) {
@@ -311,6 +338,11 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
         plan.dropped.push_back({"every pass", "nothing to draw"});
         plan.passes = {"encode"};
     }
+    if (trade.specular == Trade::Specular::schlick) plan.choices.push_back("specular: Schlick's quotient in place of the power");
+    if (trade.vectors == Trade::Vectors::scene) plan.choices.push_back("light-vector: one direction to the eye and to each light for the whole scene");
+    if (trade.affine) plan.choices.push_back("interpolation: affine");
+    if (trade.depthBits != 32) plan.choices.push_back(fmt::format("depth: fixed point of {} bits", trade.depthBits));
+    if (trade.subpixelBits != 8) plan.choices.push_back(fmt::format("subpixel: {} bits", trade.subpixelBits));
     plan.choices.push_back(fmt::format("near plane at {}", view.near));
     return p;
 }
@@ -353,7 +385,7 @@ void PlaneWriter::write(uint32_t x, uint32_t y, int zBits, uint32_t triangle, co
         const uint32_t middle = prepared_.side / 2;
         const double side = prepared_.side, centre = double(middle) + 0.5;
         const double sx = x * side + centre, sy = y * side + centre;
-        const glm::dvec3 ray = glm::dvec3(list.rayOrigin) + glm::dvec3(list.rayX) * sx + glm::dvec3(list.rayY) * sy;
+        const glm::dvec3 ray = glm::dvec3(prepared_.rayOrigin) + glm::dvec3(prepared_.rayX) * sx + glm::dvec3(prepared_.rayY) * sy;
         frame_.distance[at] = float(double(depth) * std::sqrt(glm::dot(ray, ray)));
     }
     if ((planes_ & kPlaneNormal) && normal) std::copy(normal, normal + 3, frame_.normal.begin() + ptrdiff_t(3 * at));

@@ -14,6 +14,7 @@ struct Prepared {
     float near = 0;               // near plane in scene units; the passes' own is list.viewport.near, in [1, 2)
     uint32_t background = 0;      // encoded
     glm::vec3 backgroundLinear{0};
+    glm::vec3 rayOrigin{0}, rayX{0}, rayY{0};   // to each sample; the list's own are those that shading takes
     Plan plan;
     RenderCounters counters;      // objects, vertices, triangles
 };

@@ -12,12 +12,26 @@
 
 namespace plumb {
 
+// What a picture may do faster and less accurately, beside its shading and samples (docs/measure.md). The defaults are the most accurate.
+struct Trade {
+    enum class Specular { exact, schlick };
+    enum class Vectors { pixel, scene };
+
+    Specular specular = Specular::exact;
+    Vectors vectors = Vectors::pixel;     // scene (Phong): one direction to the eye, and to each light from the framed centre
+    bool affine = false;                  // attributes interpolated without perspective
+    uint32_t depthBits = 32;              // 32: n/w as float32; 16, 24: as fixed point
+    uint32_t subpixelBits = 8;            // 8, 4: what vertices are snapped to
+    bool operator==(const Trade&) const = default;
+};
+
 struct RenderRequest {
     uint32_t width = 640, height = 480;
     Shading shading = Shading::phong;
     Fill fill = Fill::exact;
     Encoding encoding = Encoding::srgb;
     uint32_t samples = 1;                 // 1, 4, 16: ordered grid
+    Trade trade;
     glm::vec3 background{0.0f};           // linear RGB
     bool transparent = false;             // RGBA output, background alpha 0
     uint32_t planes = kPlaneColour;       // Plane bits

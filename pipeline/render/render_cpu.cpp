@@ -76,7 +76,7 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
         normal.assign(wantNormal ? 3 * samples : 0, 0.0f);
         {
             const Stopwatch watch(&result.times, "fill");
-            fillCpu(band, g.draws, g.screen, z, draw, threads);
+            fillCpu(band, g.draws, g.screen, z, draw, threads, p.choices.depthBits);
         }
         {
             const Stopwatch watch(&result.times, "shade");

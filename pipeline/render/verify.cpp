@@ -153,7 +153,7 @@ private:
         std::vector<int> z(samples);
         std::vector<uint32_t> draw(samples);
         std::vector<float> linear(3 * samples);
-        fillCpu(band, twin.draws, twin.screen, z, draw, 0);
+        fillCpu(band, twin.draws, twin.screen, z, draw, 0, p.choices.depthBits);
         for (size_t i = 0; i < samples; ++i)
             if (!draw[i]) std::copy_n(&p.backgroundLinear[0], 3, linear.begin() + ptrdiff_t(3 * i));
         shadeCpu(band, list, p.choices, twin.draws, twin.screen, p.choices.shading == gpu::kShadingFlat ? twin.faceColours : twin.carried, z,

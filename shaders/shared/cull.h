@@ -111,9 +111,9 @@ SHARED_FN ScreenVertex projectClipped(ClipVertex c, Viewport v) {
     ScreenVertex s;
     s.outcode = 0u;
     float limit = v.guardX + v.centreX;
-    s.x = snapToSubpixel(exactDivide(c.x, c.w) + v.centreX, limit);
+    s.x = snapCoarsely(exactDivide(c.x, c.w) + v.centreX, limit, v.droppedBits);
     limit = v.guardY + v.centreY;
-    s.y = snapToSubpixel(exactDivide(c.y, c.w) + v.centreY, limit);
+    s.y = snapCoarsely(exactDivide(c.y, c.w) + v.centreY, limit, v.droppedBits);
     s.z = exactDivide(v.near, c.w);
     return s;
 }

@@ -37,6 +37,14 @@ SHARED_FN Int depthBits(Real e2, Real e0, float k1, float k2, float zc, int low,
     return min(max(z, low), high);      // a negative float is a negative integer: below `low`
 }
 
+// Fixed point of `bits` < 32 bits in place of float32: the least multiple of 2^-bits that is not below z, so that what is drawn is above 0.
+// Off by less than 2^-bits; triangles that fall together tie.
+SHARED_FN Int coarseDepth(Int z, uint bits) {
+    float steps = realOf(int((127u + bits) << 23));
+    float step = realOf(int((127u - bits) << 23));
+    return bitsOf(-floorReal(realOf(z) * -steps) * step);
+}
+
 // Nearest wins; equal depths go to the lower triangle. The result does not depend on the order of visits.
 // Triangles count from 1 here; 0 stands for what was there before, which wins ties.
 SHARED_FN bool wins(int z, int triangle, int bestZ, int bestTriangle) {

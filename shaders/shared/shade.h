@@ -37,9 +37,14 @@ struct MaterialRecord {
 };
 SHARED_CONST int kMaterialTexels = 3;
 
-// What a plan may drop: parts that cannot change this picture.
+// The power of the highlight, x^n with x = R.V.
+SHARED_CONST uint kPowerExact = 0u;
+SHARED_CONST uint kPowerSchlick = 1u;
+
+// What a plan may drop: parts that cannot change this picture; and which power it takes.
 struct ShadeParts {
     bool diffuse, specular, point;
+    uint power;
 };
 
 // 1 / sqrt(x) for normal x > 0: integer seed (Lomont's constant) and three Newton steps; relative error below 4 u.
@@ -86,6 +91,17 @@ SHARED_FN Real specularPower(Real delta, Real n, Real zeroPower) {
     q = q * r + 1.0f;
     Real power = realOf(bitsOf(q) + shiftLeft(toInt(k), 23));
     return pick(gt(real(1.0f), delta), power, zeroPower);   // delta >= 1: R.V <= 0
+}
+
+// Schlick's x / (n - n x + x) in place of x^n (C. Schlick, A Fast Alternative to Phong's Specular Model, Graphics Gems IV, 1994). Both are 1 with
+// slope n at x = 1. For n >= 1 it is nowhere below x^n and nowhere more than kSchlickExcess above it: with t = n (1 - x) it is at most 1 / (1 + t), and
+// x^n at least e^-t (1 - t^2 / n); the supremum is approached for large n, where the excess is 1 / (1 + t) - e^-t, largest 0.20363 at t = 2.5129
+// (tests/unit/contracts_test.cpp sweeps n from 1 to 10^6). For n < 1 there is no such bound. Rounding adds less than 16 u.
+SHARED_CONST float kSchlickExcess = 0.2037f;
+SHARED_FN Real schlickPower(Real delta, Real n, Real zeroPower) {
+    Real x = real(1.0f) - delta;
+    Real quotient = x * reciprocal(n * delta + x);
+    return pick(gt(real(1.0f), delta), quotient, zeroPower);
 }
 
 struct Surface {
@@ -145,7 +161,10 @@ SHARED_FN void addLight(vec4 place, vec4 intensity, Surface s, Reflectance k, Sh
         Real qx = (twice * s.nx - lx) - s.vx;
         Real qy = (twice * s.ny - ly) - s.vy;
         Real qz = (twice * s.nz - lz) - s.vz;
-        Real power = specularPower(((qx * qx + qy * qy) + qz * qz) * 0.5f, k.n, k.zeroPower);
+        Real delta = ((qx * qx + qy * qy) + qz * qz) * 0.5f;
+        Real power = real(0.0f);
+        if (parts.power == kPowerSchlick) power = schlickPower(delta, k.n, k.zeroPower);
+        else power = specularPower(delta, k.n, k.zeroPower);
         power = pick(lit, power, real(0.0f));
         r = r + k.sr * power;
         g = g + k.sg * power;

@@ -17,6 +17,7 @@ struct Viewport {
     float centreX, centreY;             // pixels
     float guardX, guardY;               // pixels from the centre to the guard band
     float near;                         // scene units, > 0
+    uint droppedBits;                   // lowest sub-pixel bits that vertices are not snapped to: 0 (1/256 px) or 4 (1/16 px)
 };
 
 struct ClipVertex {
@@ -69,11 +70,13 @@ SHARED_FN uint outcodeOf(float x, float y, float w, Viewport v) {
 
 // Nearest sub-pixel, ties to even; `limitPixels` bounds the result (it also catches what was divided by a tiny w and will
 // be clipped anyway).
-SHARED_FN int snapToSubpixel(float pixels, float limitPixels) {
+SHARED_FN int snapCoarsely(float pixels, float limitPixels, uint droppedBits) {
     float x = pick(pixels > -limitPixels, pixels, -limitPixels);  // not a number goes to the limit
     x = pick(x < limitPixels, x, limitPixels);
-    return toInt(roundEvenReal(x * 256.0f));
+    float steps = realOf(int((135u - droppedBits) << 23));   // 2^(8 - droppedBits) a pixel
+    return shiftLeft(toInt(roundEvenReal(x * steps)), int(droppedBits));
 }
+SHARED_FN int snapToSubpixel(float pixels, float limitPixels) { return snapCoarsely(pixels, limitPixels, 0u); }
 
 SHARED_FN ScreenVertex project(float x, float y, float w, Viewport v) {
     ScreenVertex s;
@@ -81,8 +84,8 @@ SHARED_FN ScreenVertex project(float x, float y, float w, Viewport v) {
     float safeW = pick(s.outcode == 0u, w, v.near);
     float safeX = pick(s.outcode == 0u, x, 0.0f);
     float safeY = pick(s.outcode == 0u, y, 0.0f);
-    s.x = snapToSubpixel(exactDivide(safeX, safeW) + v.centreX, 131072.0f);
-    s.y = snapToSubpixel(exactDivide(safeY, safeW) + v.centreY, 131072.0f);
+    s.x = snapCoarsely(exactDivide(safeX, safeW) + v.centreX, 131072.0f, v.droppedBits);
+    s.y = snapCoarsely(exactDivide(safeY, safeW) + v.centreY, 131072.0f, v.droppedBits);
     s.z = exactDivide(v.near, safeW);
     return s;
 }

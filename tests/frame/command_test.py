@@ -134,6 +134,19 @@ class Rendering(Command):
         self.twin(2, "render", "cube.obj", "-o", "w.png", "--shading", "wire", "--with-error", says="wire frame has no truth")
         self.assertEqual(self.files(), ["a.png", "b.png", "c.png", "cube.obj"])
 
+    def test_trades_change_the_picture_and_are_refused_by_name(self):
+        self.twin(0, "render", "cube.obj", "-o", "a.png")
+        for trade in ("interpolation=affine,light-vector=scene", "subpixel=4"):
+            self.twin(0, "render", "cube.obj", "-o", "b.png", "--trade", trade)
+            self.assertNotEqual(self.read("a.png"), self.read("b.png"), trade)
+        self.twin(0, "render", "cube.obj", "-o", "b.png", "--trade", "depth=reversed-32,specular=exact")
+        self.assertEqual(self.read("a.png"), self.read("b.png"))
+        for trade, says in (("shading=flat", "--trade"), ("depth=15", "accepted for depth: reversed-32, 24, 16"), ("specular=native", "accepted for specular: exact, schlick"),
+                            ("depth=16,depth=24", "--trade"), ("depth", "--trade")):
+            self.twin(2, "render", "cube.obj", "-o", "c.png", "--trade", trade, says=says)
+        self.assertEqual(self.files(), ["a.png", "b.png", "cube.obj"])
+        self.expect(0, "verify", "cube.obj", "--size", "64x48", "--trade", "specular=schlick,depth=16,subpixel=4,interpolation=affine,light-vector=scene")
+
     def test_turntable_needs_a_placeholder_and_makes_an_array(self):
         self.twin(2, "render", "cube.obj", "--turntable", "3", "-o", "spin.png", says="{n}")
         self.assertEqual(self.files(), ["cube.obj"])

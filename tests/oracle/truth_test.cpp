@@ -393,6 +393,26 @@ TEST(TruthError, OrdersTheShadings) {
         unlit, flat, gouraud, phong.picture.rms, phong.linear.max, phong.wrongPrimitive, phong.pixels);
 }
 
+// What is traded away costs: each choice of the trade is further from the truth than the default.
+TEST(TruthError, EveryTradeCosts) {
+    const Scene scene = suzanne();
+    RenderRequest request = requestOf(160, 120);
+    const Truth t = truthOf(scene, request);
+    const FrameError clean = errorOf(renderCpu(scene, request).frame, t, Encoding::srgb, false);
+    const auto errorWith = [&](auto change) {
+        RenderRequest traded = request;
+        change(traded.trade);
+        return errorOf(renderCpu(scene, traded).frame, t, Encoding::srgb, false);
+    };
+    EXPECT_GT(errorWith([](Trade& x) { x.specular = Trade::Specular::schlick; }).linear.rms, clean.linear.rms);
+    EXPECT_GT(errorWith([](Trade& x) { x.vectors = Trade::Vectors::scene; }).linear.rms, clean.linear.rms);
+    EXPECT_GT(errorWith([](Trade& x) { x.affine = true; }).linear.rms, clean.linear.rms);
+    EXPECT_GT(errorWith([](Trade& x) { x.depthBits = 16; }).depthRelative, clean.depthRelative);
+    const FrameError coarse = errorWith([](Trade& x) { x.subpixelBits = 4; });
+    EXPECT_GT(coarse.depthRelative, clean.depthRelative);
+    EXPECT_GT(coarse.wrongPrimitive, clean.wrongPrimitive);
+}
+
 // Each planted mistake raises the figure that is there to notice it.
 TEST(TruthError, NoticesPlantedMistakes) {
     const Scene real = suzanne();

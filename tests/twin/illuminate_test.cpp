@@ -10,6 +10,7 @@ struct Row {
     const char* name;
     uint32_t first, count, lights;
     bool diffuse, specular, point;
+    uint32_t power = gpu::kPowerExact;
 };
 std::ostream& operator<<(std::ostream& out, const Row& r) { return out << r.name; }
 
@@ -58,7 +59,7 @@ TEST_P(IlluminateTwin, LeavesTheSameBytes) {
             const gpu::ObjectRecord& o = objects[1];
             l.place = {gpu::rowTimesPoint(o.world0, p), gpu::rowTimesPoint(o.world1, p), gpu::rowTimesPoint(o.world2, p)};
         }
-    const gpu::ShadeParts parts{row.diffuse, row.specular, row.point};
+    const gpu::ShadeParts parts{row.diffuse, row.specular, row.point, row.power};
     const gpu::IlluminatePush push{0, row.first, row.count, 1, uint32_t(lights.size())};
     std::vector<glm::vec4> want(total);
     illuminateCpu(push, parts, positions, normals, material, objects, materials, lights, want, 1);
@@ -91,6 +92,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, IlluminateTwin,
                                            Row{"every_kind", 0, 4099, 9, true, true, true},
                                            Row{"diffuse_only", 0, 257, 9, true, false, true},
                                            Row{"specular_only", 0, 257, 9, false, true, true},
+                                           Row{"schlick", 0, 257, 9, true, true, true, gpu::kPowerSchlick},
                                            Row{"neither", 0, 257, 9, false, false, true},
                                            Row{"directional_only", 0, 257, 1, true, true, false},
                                            Row{"forty_lights", 0, 131, 40, true, true, true}),

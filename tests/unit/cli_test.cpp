@@ -22,7 +22,7 @@ TEST(Options, TakeEveryValueOfTheTable) {
     const Options o = parse(
         "render a.obj b.ply -o out.exr --size 333x211 --shading gouraud --samples 16 --encode linear --background #12ab00 --aov depth,id,depth "
         "--aov color --bits 16 --eye -1,2.5,3e2 --at 0,0,0 --up -Z --fov 30 --near 0.5 --device lavapipe --require-device software --threads 3 "
-        "--no-clobber --fail-blank=2% --json=r.json --progress json --with-error --explain --strict --allow-outside --crease 12 --memory 2G --limit-chunk 7 "
+        "--no-clobber --fail-blank=2% --json=r.json --progress json --with-error --trade specular=schlick,depth=16 --trade subpixel=4 --explain --strict --allow-outside --crease 12 --memory 2G --limit-chunk 7 "
         "--limit-band 9 --watchdog 500 -v -v");
     EXPECT_EQ(o.command, kRender);
     EXPECT_EQ(o.inputs, (std::vector<std::string>{"a.obj", "b.ply"}));
@@ -42,6 +42,7 @@ TEST(Options, TakeEveryValueOfTheTable) {
     EXPECT_EQ(o.requireDevice, "software");
     EXPECT_EQ(o.threads, 3u);
     EXPECT_TRUE(o.noClobber && o.json && o.withError && o.explain && o.strict && o.allowOutside);
+    EXPECT_EQ(o.trade, (std::vector<std::pair<std::string, std::string>>{{"specular", "schlick"}, {"depth", "16"}, {"subpixel", "4"}}));
     EXPECT_EQ(*o.failBlank, 0.02);
     EXPECT_EQ(o.jsonFile, "r.json");
     EXPECT_EQ(o.progress, ProgressMode::json);
