@@ -182,13 +182,17 @@ const std::vector<Flag> kFlags = {
      }},
     {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff | kMeasure, [](Options& o, const std::string&) { o.noClobber = true; }},
     {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480; bench: 1920x1080", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw | kBench, setSize},
-    {"--shading", "MODE", "how faces are shaded", "the scene's, else phong", "wire, unlit, flat, gouraud, phong",
-     {"wire", "unlit", "flat", "gouraud", "phong"}, kDraw,
+    {"--shading", "MODE", "how faces are shaded; ray traces", "the scene's, else ray where it has spheres or planes, else phong", "wire, unlit, flat, gouraud, phong, ray",
+     {"wire", "unlit", "flat", "gouraud", "phong", "ray"}, kDraw,
      [](Options& o, const std::string& v) {
-         o.shading = oneOf<Shading>(v, {{"wire", Shading::wire}, {"unlit", Shading::unlit}, {"flat", Shading::flat}, {"gouraud", Shading::gouraud}, {"phong", Shading::phong}});
+         o.shading = oneOf<Shading>(v, {{"wire", Shading::wire}, {"unlit", Shading::unlit}, {"flat", Shading::flat}, {"gouraud", Shading::gouraud}, {"phong", Shading::phong}, {"ray", Shading::ray}});
      }},
     {"--fill", "RULE", "which pixels a face covers: exact (8 sub-pixel bits, watertight) or the polygon fill of the lecture notes", "the scene's, else exact", "exact, notes",
      {"exact", "notes"}, kDraw, [](Options& o, const std::string& v) { o.fill = oneOf<Fill>(v, {{"exact", Fill::exact}, {"notes", Fill::notes}}); }},
+    {"--max-depth", "N", "rays one after another, with --shading ray; 1 shows local colours only", "the scene's, else 5", "a whole number, 1 to 64", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.maxDepth = number<uint32_t>(v, 1, 64); }},
+    {"--min-weight", "W", "a ray that adds less than this share to its pixel is not followed, with --shading ray", "the scene's, else 0", "a number, 0 to 1", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.minWeight = real(v, 0, 1); }},
     {"--samples", "N", "samples a pixel, in an ordered grid", "1", "1, 4, 16", {"1", "4", "16"}, kDraw,
      [](Options& o, const std::string& v) { o.samples = oneOf<uint32_t>(v, {{"1", 1}, {"4", 4}, {"16", 16}}); }},
     {"--encode", "CURVE", "how linear light becomes bytes", "the scene's, else srgb", "srgb, linear", {"srgb", "linear"}, kDraw,
@@ -476,7 +480,7 @@ const char* nameOf(Aov aov) {
     return kNames[size_t(aov)];
 }
 const char* nameOf(Shading shading) {
-    static constexpr const char* kNames[] = {"wire", "unlit", "flat", "gouraud", "phong"};
+    static constexpr const char* kNames[] = {"wire", "unlit", "flat", "gouraud", "phong", "ray"};
     return kNames[size_t(shading)];
 }
 const char* nameOf(Fill f) { return f == Fill::notes ? "notes" : "exact"; }

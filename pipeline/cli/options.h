@@ -46,6 +46,8 @@ struct Options {
     std::optional<Fill> fill;
     std::optional<Encoding> encoding;
     uint32_t samples = 1;
+    std::optional<uint32_t> maxDepth;       // of rays
+    std::optional<double> minWeight;
     std::optional<BackgroundFlag> background;
     std::vector<Aov> aovs;                  // empty: colour
     int bits = 8;

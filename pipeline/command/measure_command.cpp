@@ -267,6 +267,8 @@ Exit measureCommand(const Options& options) {
     for (const std::string& fallback : renderer.fallbacks()) fmt::print(stderr, "plumb: {}\n", fallback);
     plan.deviceThere = renderer.device() != nullptr;
     plan.base.request = requestOf(options, scene, size);
+    if (plan.base.request.shading == Shading::ray)
+        throw usageError("--shading: the truth of traced rays is not in this version; choose another shading");
     if (plan.base.request.shading == Shading::wire)
         throw usageError("--shading: wire has no truth to be measured against; it is a row of the axis 'shading'");
     if (plan.base.request.fill == Fill::notes) throw usageError("measure: the truth is sampled in the middle of pixels, and --fill notes samples whole coordinates");

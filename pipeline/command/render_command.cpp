@@ -186,6 +186,7 @@ Exit renderCommand(const Options& options) {
     const OutputPlan plan = outputPlanOf(options, views);
     request.planes = plan.planes;
     if (options.withError) {
+        if (request.shading == Shading::ray) throw usageError("--with-error: the truth of --shading ray is not in this version");
         if (request.shading == Shading::wire) throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
         if (request.fill == Fill::notes) throw usageError("--with-error: the truth is sampled in the middle of pixels, and --fill notes samples whole coordinates");
         request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;  // which change no byte of the picture

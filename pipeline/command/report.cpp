@@ -103,6 +103,8 @@ Json sceneJson(const Scene& scene, const std::vector<SourceFile>& sources) {
     }
     json["triangles"] = trianglesOf(scene);
     json["objects"] = scene.objects.size();
+    if (!scene.spheres.empty()) json["spheres"] = scene.spheres.size();
+    if (!scene.planes.empty()) json["planes"] = scene.planes.size();
     json["materials"] = scene.materials.size();
     json["lights"] = scene.lights.size();
     json["ignored"] = scene.ignored;
@@ -117,7 +119,7 @@ Json planJson(const Plan& plan) {
 }
 
 Json countersJson(const RenderCounters& c) {
-    return {{"objects", c.objects},
+    Json json = {{"objects", c.objects},
             {"objectsDrawn", c.objectsDrawn},
             {"vertices", c.vertices},
             {"triangles", c.triangles},
@@ -133,6 +135,12 @@ Json countersJson(const RenderCounters& c) {
             {"chunks", c.chunks},
             {"bands", c.bands},
             {"binEntries", c.binEntries}};
+    if (c.rays.empty()) return json;
+    Json& rays = json["rays"] = Json::array();
+    for (const RenderCounters::RayCounts& r : c.rays)
+        rays.push_back({{"primary", r.primary}, {"reflected", r.reflected}, {"refracted", r.refracted}, {"feelers", r.feelers}});
+    json["undecidedRays"] = c.undecidedRays;
+    return json;
 }
 
 Json cameraJson(const Camera& camera) {

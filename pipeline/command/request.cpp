@@ -38,8 +38,13 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     RenderRequest request;
     request.width = size.x;
     request.height = size.y;
-    request.shading = options.shading.value_or(scene.shading.value_or(Shading::phong));
+    request.shading = options.shading.value_or(scene.shading.value_or(onlyRaysDraw(scene) ? Shading::ray : Shading::phong));
     request.fill = options.fill.value_or(scene.fill.value_or(Fill::exact));
+    request.maxDepth = options.maxDepth.value_or(scene.maxDepth);
+    request.minWeight = float(options.minWeight.value_or(scene.minWeight));
+    if (request.shading != Shading::ray && options.maxDepth) throw usageError("--max-depth goes with --shading ray");
+    if (request.shading != Shading::ray && options.minWeight) throw usageError("--min-weight goes with --shading ray");
+    if (request.shading == Shading::ray && request.fill == Fill::notes) throw usageError("--fill notes is a fill of the raster shadings; --shading ray has none");
     request.encoding = options.encoding.value_or(scene.encoding.value_or(Encoding::srgb));
     request.samples = options.samples;
     request.background = scene.background.value_or(glm::vec3(0));

@@ -15,7 +15,7 @@ void resolveCpu(uint32_t width, uint32_t height, uint32_t side, bool transparent
                 std::span<const int> z, std::span<float> pixels, std::span<uint32_t> rgba, uint32_t threads);
 
 void recordResolve(Recorder& recorder, const gpu::ResolvePush& push, uint32_t encoding, bool linearOut, const Specialization& exact,
-                   const Buffer<glm::uvec4>& samplePlanes, const Buffer<uint32_t>& encodeTable, const Buffer<glm::uvec4>& colours,
+                   const RawBuffer& samplePlanes, const Buffer<uint32_t>& encodeTable, const Buffer<glm::uvec4>& colours,
                    const Buffer<glm::vec4>& linear);
 
 }  // namespace plumb

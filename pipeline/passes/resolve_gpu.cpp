@@ -6,7 +6,7 @@
 namespace plumb {
 
 void recordResolve(Recorder& recorder, const gpu::ResolvePush& push, uint32_t encoding, bool linearOut, const Specialization& exact,
-                   const Buffer<glm::uvec4>& samplePlanes, const Buffer<uint32_t>& encodeTable, const Buffer<glm::uvec4>& colours,
+                   const RawBuffer& samplePlanes, const Buffer<uint32_t>& encodeTable, const Buffer<glm::uvec4>& colours,
                    const Buffer<glm::vec4>& linear) {
     Specialization constants = exact;
     constants[2] = encoding;

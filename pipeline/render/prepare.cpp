@@ -228,6 +228,7 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
         case Shading::unlit: c.shading = gpu::kShadingUnlit; break;
         case Shading::flat: c.shading = gpu::kShadingFlat; break;
         case Shading::gouraud: c.shading = gpu::kShadingGouraud; break;
+        case Shading::ray:
         case Shading::phong: c.shading = gpu::kShadingPhong; break;
     }
     c.parts.power = request.trade.specular == Trade::Specular::schlick ? gpu::kPowerSchlick : gpu::kPowerExact;
@@ -236,7 +237,7 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
         p.list.lights.clear();
         return;
     }
-    if (request.keepEverything) return;
+    if (request.keepEverything || request.shading == Shading::ray) return;
     if (p.list.lights.empty() || (!diffuse && !specular)) {
         p.plan.dropped.push_back({"illumination", p.list.lights.empty() ? "no light" : "no material reflects light"});
         c.parts = {false, false, false};
@@ -276,6 +277,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     DrawList& list = p.list;
     list.viewport = {float(width / 2), float(height / 2), float(width / 2) + gpu::kGuardPixels, float(height / 2) + gpu::kGuardPixels,
                      float(view.near * view.unit)};
+    p.unit = view.unit;
     p.near = float(view.near);
     list.frame = {int(width), int(height), 0, int(height)};
     list.cullBackFaces = scene.cullBackFaces ? 1 : 0;
@@ -295,7 +297,10 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     }
     std::vector<uint32_t> materialSlot(scene.materials.size(), kNone);
     p.counters.objects = scene.objects.size();
-    for (uint32_t i = 0; i < scene.objects.size(); ++i) {
+    const bool rays = request.shading == Shading::ray;
+    if (onlyRaysDraw(scene) && !rays)
+        throw inputError(scene.path, "it has spheres or planes, which only --shading ray draws");
+    for (uint32_t i = 0; !rays && i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
         const TriangleMesh& mesh = scene.meshes[object.mesh];
         p.counters.vertices += mesh.positions.size();
@@ -315,6 +320,8 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     Plan& plan = p.plan;
     if (request.shading == Shading::wire) {
         plan.passes = {"transform", "lines"};
+    } else if (rays) {
+        plan.passes = {"trace"};
     } else if (request.fill == Fill::notes) {
         plan.passes = {"project", "scanline", "scanpaint"};
         if (p.choices.shading == gpu::kShadingFlat || p.choices.shading == gpu::kShadingGouraud) plan.passes.insert(plan.passes.begin() + 1, "illuminate");
@@ -334,7 +341,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
                                            uint32_t(width), uint32_t(height)));
     }
     plan.passes.push_back("encode");
-    if (list.triangles.empty()) {
+    if (list.triangles.empty() && !rays) {
         plan.dropped.push_back({"every pass", "nothing to draw"});
         plan.passes = {"encode"};
     }
@@ -346,6 +353,8 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     plan.choices.push_back(fmt::format("near plane at {}", view.near));
     return p;
 }
+
+bool onlyRaysDraw(const Scene& scene) { return !scene.spheres.empty() || !scene.planes.empty(); }
 
 Plan planRender(const Scene& scene, const RenderRequest& request) { return prepare(scene, request).plan; }
 

@@ -12,6 +12,7 @@ struct Prepared {
     FillChoices choices;          // planes, prior, wide and colour are set by the renderers
     uint32_t width = 0, height = 0, side = 1;   // picture; samples a pixel = side * side
     float near = 0;               // near plane in scene units; the passes' own is list.viewport.near, in [1, 2)
+    double unit = 1;              // the passes' lengths per unit of the scene, a power of two
     uint32_t background = 0;      // encoded
     glm::vec3 backgroundLinear{0};
     glm::vec3 rayOrigin{0}, rayX{0}, rayY{0};   // to each sample; the list's own are those that shading takes

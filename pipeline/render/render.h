@@ -41,6 +41,9 @@ struct RenderRequest {
     uint32_t bandRows = 0;
     std::function<bool(double)> onProgress; // 0..1; false cancels (Error(interrupted))
     double watchdogMs = 60000;
+    uint32_t maxDepth = 5;                // rays one after another, 1 to 64 (Shading::ray)
+    float minWeight = 0;                  // a ray that weighs less is not followed
+    uint32_t rayLimit = 0;                // tests: rays that a sample follows in one dispatch; forces the list form. 0: as the scene asks
     bool keepEverything = false;          // drop nothing that a plan would drop (tests of the drops)
 };
 
@@ -58,6 +61,9 @@ struct RenderCounters {
     uint64_t illuminations = 0;           // flat: faces, Gouraud: vertices, Phong: shaded samples
     uint64_t polygons = 0, normals = 0;   // fill notes: faces met; a normal a face, and one a corner where corners are shaded
     uint64_t chunks = 0, bands = 0, binEntries = 0, edges = 0;
+    struct RayCounts { uint64_t primary = 0, reflected = 0, refracted = 0, feelers = 0; };
+    std::vector<RayCounts> rays;          // by depth, first the primary rays'; empty unless rays were traced
+    uint64_t undecidedRays = 0;           // parallel to a plane within rounding: counted as no hit
 };
 
 struct RenderResult {
@@ -67,6 +73,9 @@ struct RenderResult {
     std::vector<PassTime> times;          // per pass, ms
     double totalMs = 0;                   // host time of the whole render, upload and readback included
 };
+
+// What a scene has that no raster pass draws.
+bool onlyRaysDraw(const Scene&);
 
 Plan planRender(const Scene&, const RenderRequest&);
 RenderResult renderCpu(const Scene&, const RenderRequest&);             // the twin

@@ -6,6 +6,7 @@
 #include "pipeline/render/notes.h"
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/scene/plain_floats.h"
+#include "pipeline/render/trace_frame.h"
 #include "pipeline/render/twin_frame.h"
 #include "pipeline/render/wire.h"
 
@@ -40,6 +41,11 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
     PlaneWriter writer(p, request.planes, result.frame);
     const DrawList& list = p.list;
     const uint32_t side = p.side;
+    if (request.shading == Shading::ray) {
+        traceFrameCpu(p, scene, request, result);
+        result.totalMs = total.elapsedMs();
+        return result;
+    }
     if (request.shading == Shading::wire) {
         drawWireCpu(p, request, result);
         result.totalMs = total.elapsedMs();

@@ -57,7 +57,7 @@ public:
     Verifier(Device& device, const Scene& scene, const RenderRequest& request) : device_(device), scene_(scene), request_(request) {}
 
     VerifyReport run() {
-        if (request_.shading != Shading::wire && request_.fill != Fill::notes) passes();
+        if (request_.shading != Shading::wire && request_.shading != Shading::ray && request_.fill != Fill::notes) passes();
         chain();
         report_.equal = report_.mismatches.empty();
         return std::move(report_);
@@ -219,10 +219,27 @@ private:
                                                   int(report_.twin.frame.primitive[pixel]), plane.differing)});
     }
 
+    void compareRays(const RenderCounters& a, const RenderCounters& b) {
+        const auto differ = [&](const std::string& name, uint64_t twin, uint64_t device) {
+            if (twin != device)
+                report_.mismatches.push_back({"counters", true, fmt::format("{}: twin counts {}, device {}", name, twin, device)});
+        };
+        differ("depths of rays", a.rays.size(), b.rays.size());
+        for (size_t i = 0; i < std::min(a.rays.size(), b.rays.size()); ++i) {
+            differ(fmt::format("primary rays of depth {}", i + 1), a.rays[i].primary, b.rays[i].primary);
+            differ(fmt::format("reflected rays of depth {}", i + 1), a.rays[i].reflected, b.rays[i].reflected);
+            differ(fmt::format("refracted rays of depth {}", i + 1), a.rays[i].refracted, b.rays[i].refracted);
+            differ(fmt::format("feelers of depth {}", i + 1), a.rays[i].feelers, b.rays[i].feelers);
+        }
+        differ("undecided rays", a.undecidedRays, b.undecidedRays);
+    }
+
     void chain() {
         RenderRequest request = request_;
         request.planes |= kPlaneLinear | kPlaneObject | kPlanePrimitive | kPlaneZ | kPlaneTriangle;
         if (request.shading == Shading::wire) request.planes = kPlaneColour | kPlaneObject | kPlanePrimitive;
+        const bool rays = request.shading == Shading::ray;
+        if (rays) request.planes = (request.planes & ~uint32_t(kPlaneTriangle)) | kPlaneDistance | kPlaneNormal;
         report_.twin = renderCpu(scene_, request);
         report_.device = renderGpu(device_, scene_, request);
         const Frame &t = report_.twin.frame, &d = report_.device.frame;
@@ -232,12 +249,16 @@ private:
             return c;
         };
         comparePlane("coverage", coverage(t), coverage(d), 1);
-        comparePlane("triangle", t.triangle, d.triangle, 1);
+        if (!rays) comparePlane("triangle", t.triangle, d.triangle, 1);
         comparePlane("object_id", t.object, d.object, 1);
         comparePlane("primitive_id", t.primitive, d.primitive, 1);
         comparePlane("z", t.z, d.z, 1);
         comparePlane("linear", t.linear, d.linear, 3);
         comparePlane("colour", t.rgba, d.rgba, 1);
+        if (rays) {
+            comparePlane("distance", t.distance, d.distance, 1);
+            comparePlane("normal", t.normal, d.normal, 3);
+        }
         const RenderCounters &a = report_.twin.counters, &b = report_.device.counters;
         const std::pair<const char*, std::pair<uint64_t, uint64_t>> counts[] = {
             {"drawn triangles", {a.drawnTriangles, b.drawnTriangles}}, {"back-facing", {a.culledBackFace, b.culledBackFace}},
@@ -247,6 +268,9 @@ private:
         for (const auto& [name, values] : counts)
             if (values.first != values.second)
                 report_.mismatches.push_back({"counters", true, fmt::format("{}: twin counts {}, device {}", name, values.first, values.second)});
+        compareRays(a, b);
+        // One pass, on the scene itself: what it leaves is what the chain has compared.
+        if (rays) report_.passes.push_back({"trace", report_.mismatches.empty()});
     }
 
     Device& device_;

@@ -103,15 +103,22 @@ Camera frameCamera(const Scene& scene, double aspect, const std::string& view) {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     glm::dvec2 lowest(-kFar), highest(kFar);
     glm::dvec3 least(kFar), most(-kFar);
+    const auto include = [&](const glm::dvec3& world) {
+        const glm::dvec3 p(glm::dot(world, camera.right), glm::dot(world, camera.up), glm::dot(world, camera.forward));
+        lowest = glm::max(lowest, glm::dvec2(p) - t * p.z);
+        highest = glm::min(highest, glm::dvec2(p) + t * p.z);
+        least = glm::min(least, p);
+        most = glm::max(most, p);
+    };
     for (const Object& object : scene.objects)
         for (const glm::vec3& position : scene.meshes[object.mesh].positions) {
             const glm::dvec3 world(object.worldFromObject * glm::dvec4(position, 1));
-            const glm::dvec3 p(glm::dot(world, camera.right), glm::dot(world, camera.up), glm::dot(world, camera.forward));
-            lowest = glm::max(lowest, glm::dvec2(p) - t * p.z);
-            highest = glm::min(highest, glm::dvec2(p) + t * p.z);
-            least = glm::min(least, p);
-            most = glm::max(most, p);
+            include(world);
         }
+    // The box of a sphere; planes have no end to frame.
+    for (const SphereShape& sphere : scene.spheres)
+        for (int i = 0; i < 8; ++i)
+            include(sphere.centre + sphere.radius * glm::dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
     if (!(least.x <= most.x)) least = most = glm::dvec3(0), lowest = highest = glm::dvec2(0);   // nothing to frame
 
     const double radius = glm::length(most - least) / 2;

@@ -20,8 +20,11 @@ struct Material {
     glm::vec3 specular{0.0f};      // Ks
     glm::vec3 emission{0.0f};      // Ke
     float shininess = 32.0f;       // Ns, specular exponent
-    float opacity = 1.0f;          // d, 1 - Tr   (kept for ray tracing; the raster passes draw opaque)
-    float refractiveIndex = 1.0f;  // Ni
+    float opacity = 1.0f;          // d, 1 - Tr   (the raster passes draw opaque)
+    float refractiveIndex = 1.0f;  // Ni; the notes' density, outside 1
+    float reflect = 0.0f;          // weight of the mirrored ray (--shading ray)
+    float transmit = 0.0f;         // weight of the refracted ray, and what a shadow feeler keeps
+    float local = -1.0f;           // weight of the local colour; negative: what the other two leave of 1
     int illum = 2;
 };
 

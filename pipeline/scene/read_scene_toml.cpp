@@ -29,6 +29,9 @@ constexpr int kMaxDepth = 64;            // of keys and of object hierarchies: w
 constexpr uint64_t kMaxCopiedTriangles = uint64_t(1) << 26;  // 5 GiB: more is a file that means to fill the memory
 constexpr double kMaxShininess = 1e6;
 constexpr uint32_t kMaxImageSide = 65536;
+constexpr int64_t kMaxRayDepth = 64;     // counters of rays are kept a depth
+// Weights that add up to 1 in decimals may exceed it by a rounding of each.
+constexpr double kLargestWeightSum = 1 + 4 * 0x1p-53;
 
 // An 8-bit sRGB channel as linear light (IEC 61966-2-1): v^2.4 = v^2 (v^(1/5))^2, the root by Newton, again with
 // + - * / alone. From 1 the iteration falls monotonically to the root, 0.6 or more, in fewer than 32 steps.
@@ -140,6 +143,9 @@ private:
     void readSettings(const toml::table& root);
     void readCamera(const toml::table& table);
     void readMaterial(const toml::table& table);
+    void readWeights(const toml::table& table, Material& material) const;
+    void readSphere(const toml::table& table);
+    void readPlane(const toml::table& table);
     void readLight(const toml::table& table);
     void readMesh(const toml::table& table);
     uint32_t readInlineMesh(const toml::table& table, const std::string& name, const LoadOptions& options);
@@ -366,7 +372,10 @@ void SceneFile::readSettings(const toml::table& root) {
     if (const auto* node = root.get("shading"))
         scene_.shading = choiceOf<Shading>(*node, "shading",
                                            {{"wire", Shading::wire}, {"unlit", Shading::unlit}, {"flat", Shading::flat},
-                                            {"gouraud", Shading::gouraud}, {"phong", Shading::phong}});
+                                            {"gouraud", Shading::gouraud}, {"phong", Shading::phong}, {"ray", Shading::ray}});
+    if (const auto* node = root.get("max_depth")) scene_.maxDepth = uint32_t(integerOf(*node, "max_depth", 1, kMaxRayDepth));
+    if (const auto* node = root.get("min_weight")) scene_.minWeight = numberOf(*node, "min_weight", 0, 1);
+    if (const auto* node = root.get("shadows")) scene_.shadows = booleanOf(*node, "shadows");
     if (const auto* node = root.get("fill")) scene_.fill = choiceOf<Fill>(*node, "fill", {{"exact", Fill::exact}, {"notes", Fill::notes}});
     if (const auto* node = root.get("cull")) scene_.cullBackFaces = booleanOf(*node, "cull");
     if (const auto* node = root.get("size")) {
@@ -423,7 +432,8 @@ void SceneFile::readCamera(const toml::table& table) {
 }
 
 void SceneFile::readMaterial(const toml::table& table) {
-    allowKeys(table, "[[material]]", {"name", "ambient", "diffuse", "specular", "emission", "shininess", "opacity", "ior"});
+    allowKeys(table, "[[material]]", {"name", "ambient", "diffuse", "specular", "emission", "shininess", "opacity", "ior", "density",
+                                    "reflect", "transmit", "local"});
     const toml::node& nameNode = required(table, "name", "material");
     Material material;
     material.name = stringOf(nameNode, "material.name");
@@ -442,6 +452,11 @@ void SceneFile::readMaterial(const toml::table& table) {
     if (const auto* node = table.get("opacity")) material.opacity = float(numberOf(*node, "material.opacity", 0, 1));
     if (const auto* node = table.get("ior"))
         material.refractiveIndex = float(numberOf(*node, "material.ior", 0.01, 100));
+    if (const auto* node = table.get("density")) {
+        if (table.contains("ior")) refuse(*node, "material.density beside material.ior: they are two names of one number");
+        material.refractiveIndex = float(numberOf(*node, "material.density", 0.01, 100));
+    }
+    readWeights(table, material);
     if (restatesDefault) {
         scene_.materials[0] = material;
         defaultStated_ = true;
@@ -449,6 +464,22 @@ void SceneFile::readMaterial(const toml::table& table) {
     }
     materials_[material.name] = uint32_t(scene_.materials.size());
     scene_.materials.push_back(material);
+}
+
+// Shares of the mirrored, the refracted and the local colour. Opacity below 1 lets its rest pass unless `transmit` says otherwise.
+void SceneFile::readWeights(const toml::table& table, Material& material) const {
+    const auto weight = [&](const char* key, double fallback) {
+        const auto* node = table.get(key);
+        return node ? numberOf(*node, std::string("material.") + key, 0, 1) : fallback;
+    };
+    const double reflect = weight("reflect", 0), transmit = weight("transmit", 1.0 - double(material.opacity));
+    const double local = weight("local", std::max(0.0, 1 - reflect - transmit));
+    if (!(reflect + transmit + local <= kLargestWeightSum))
+        refuse(table, fmt::format("material '{}': reflect {:g}, transmit {:g} and local {:g} add up to more than 1",
+                                  printable(material.name, 64), reflect, transmit, local));
+    material.reflect = float(reflect);
+    material.transmit = float(transmit);
+    material.local = float(local);
 }
 
 uint32_t SceneFile::materialNamed(const toml::node& node, const std::string& field) const {
@@ -482,6 +513,62 @@ void SceneFile::readLight(const toml::table& table) {
     }
     if (const auto* node = table.get("intensity")) light.intensity = colourOf(*node, "light.intensity", kMaxCoordinate);
     scene_.lights.push_back(light);
+}
+
+void SceneFile::readSphere(const toml::table& table) {
+    allowKeys(table, "[[sphere]]", {"name", "centre", "radius", "material"});
+    SphereShape sphere;
+    if (const auto* node = table.get("name")) sphere.name = stringOf(*node, "sphere.name");
+    sphere.centre = vectorOf(required(table, "centre", "sphere"), "sphere.centre");
+    const toml::node& radius = required(table, "radius", "sphere");
+    sphere.radius = numberOf(radius, "sphere.radius");
+    if (!(sphere.radius > 0)) refuse(radius, fmt::format("sphere.radius is {:g}, not above 0", sphere.radius));
+    if (sphere.radius > kMaxCoordinate) refuse(radius, fmt::format("sphere.radius is {:g}, above 2^100", sphere.radius));
+    if (const auto* node = table.get("material")) sphere.material = materialNamed(*node, "sphere.material");
+    scene_.spheres.push_back(std::move(sphere));
+}
+
+void SceneFile::readPlane(const toml::table& table) {
+    allowKeys(table, "[[plane]]", {"name", "point", "normal", "u", "u_range", "v_range", "two_sided", "material", "board"});
+    PlaneShape plane;
+    if (const auto* node = table.get("name")) plane.name = stringOf(*node, "plane.name");
+    plane.point = vectorOf(required(table, "point", "plane"), "plane.point");
+    plane.normal = unitVector(axisOf(required(table, "normal", "plane"), "plane.normal"));
+    // The coordinate axis that is least along the normal, X first: Y = const has u = X and v = Z.
+    dvec3 u(1, 0, 0);
+    const dvec3 n = plane.normal;
+    if (std::abs(n.x) > std::abs(n.y) || std::abs(n.x) > std::abs(n.z)) u = std::abs(n.y) <= std::abs(n.z) ? dvec3(0, 1, 0) : dvec3(0, 0, 1);
+    const auto* uNode = table.get("u");
+    if (uNode) u = unitVector(axisOf(*uNode, "plane.u"));
+    u -= n * glm::dot(n, u);
+    if (largestMagnitude(u) < kMinCross) refuse(uNode ? *uNode : *table.get("normal"), "plane.u is parallel to plane.normal");
+    plane.u = unitVector(u);
+    plane.v = glm::cross(plane.u, n);
+    const auto range = [&](const char* key, double& least, double& most) {
+        const auto* node = table.get(key);
+        if (!node) return;
+        const std::string field = std::string("plane.") + key;
+        const toml::array& ends = arrayOf(*node, field);
+        if (ends.size() != 2) refuse(*node, fmt::format("{} has {} numbers, not 2", field, ends.size()));
+        least = numberOf(ends[0], field + "[0]", -kMaxCoordinate, kMaxCoordinate);
+        most = numberOf(ends[1], field + "[1]", -kMaxCoordinate, kMaxCoordinate);
+        if (!(least < most)) refuse(*node, fmt::format("{} is empty: {:g} is not below {:g}", field, least, most));
+    };
+    range("u_range", plane.uMin, plane.uMax);
+    range("v_range", plane.vMin, plane.vMax);
+    if (const auto* node = table.get("two_sided")) plane.twoSided = booleanOf(*node, "plane.two_sided");
+    if (const auto* node = table.get("material")) plane.material = materialNamed(*node, "plane.material");
+    if (const auto* node = table.get("board")) {
+        const toml::table& board = tableOf(*node, "plane.board");
+        allowKeys(board, "plane.board", {"square", "material", "mirrored"});
+        const toml::node& square = required(board, "square", "plane.board");
+        plane.square = numberOf(square, "plane.board.square");
+        if (!(plane.square > 0)) refuse(square, fmt::format("plane.board.square is {:g}, not above 0", plane.square));
+        if (plane.square > kMaxCoordinate) refuse(square, fmt::format("plane.board.square is {:g}, above 2^100", plane.square));
+        plane.otherMaterial = materialNamed(required(board, "material", "plane.board"), "plane.board.material");
+        if (const auto* mirrored = board.get("mirrored")) plane.mirrored = booleanOf(*mirrored, "plane.board.mirrored");
+    }
+    scene_.planes.push_back(std::move(plane));
 }
 
 void SceneFile::readMesh(const toml::table& table) {
@@ -790,7 +877,7 @@ Scene SceneFile::read() {
         throw inputError(place(error.source()), "TOML: " + printable(error.description()));
     }
     allowKeys(root, "the scene", {"handedness", "up", "ambient", "background", "encoding", "shading", "fill", "size", "cull",
-                                  "camera", "material", "light", "mesh", "object"});
+                                  "max_depth", "min_weight", "shadows", "camera", "material", "light", "mesh", "object", "sphere", "plane"});
     scene_.path = path_.string();
     scene_.sha256 = sha256Hex(std::as_bytes(std::span(text)));
     scene_.materials.push_back(Material{});
@@ -800,6 +887,8 @@ Scene SceneFile::read() {
     eachTable(root, "material", "material", [&](const toml::table& table) { readMaterial(table); });
     eachTable(root, "light", "light", [&](const toml::table& table) { readLight(table); });
     eachTable(root, "mesh", "mesh", [&](const toml::table& table) { readMesh(table); });
+    eachTable(root, "sphere", "sphere", [&](const toml::table& table) { readSphere(table); });
+    eachTable(root, "plane", "plane", [&](const toml::table& table) { readPlane(table); });
     eachTable(root, "object", "object", [&](const toml::table& table) { readObject(table, -1, 1); });
     if (!root.contains("object")) {
         for (const std::string& name : meshNames_) {
@@ -812,8 +901,8 @@ Scene SceneFile::read() {
     }
     linkParents();
     placeObjects();
-    if (scene_.objects.empty())
-        throw inputError(placeOfLine(path_, 1, 1), "nothing to draw: no [[object]] has a mesh and there is no [[mesh]]");
+    if (scene_.objects.empty() && scene_.spheres.empty() && scene_.planes.empty())
+        throw inputError(placeOfLine(path_, 1, 1), "nothing to draw: no [[object]] has a mesh and there is no [[mesh]], [[sphere]] or [[plane]]");
     return std::move(scene_);
 }
 

@@ -9,7 +9,7 @@
 
 namespace plumb {
 
-enum class Shading { wire, unlit, flat, gouraud, phong };
+enum class Shading { wire, unlit, flat, gouraud, phong, ray };
 enum class Fill { exact, notes };  // 8 sub-pixel bits and the top-left rule, or the polygon fill of the lecture notes
 enum class Encoding { srgb, linear };
 enum class Attenuation { none, inverse, inverseSquare };
@@ -19,6 +19,26 @@ struct Object {
     uint32_t mesh = 0;
     glm::dmat4 worldFromObject{1.0};  // column vectors: world = worldFromObject * object
     std::vector<Step<glm::dmat4>> chain;  // its elementary steps in order of application, parents' included; scene.toml only
+};
+
+// What only rays meet. Their object_id follows those of the objects: spheres, then planes.
+struct SphereShape {
+    std::string name;
+    glm::dvec3 centre{0};
+    double radius = 1;                // > 0
+    uint32_t material = 0;
+};
+
+// Unbounded but for the ranges of its own coordinates, inclusive: (x, y) = ((p - point).u, (p - point).v).
+struct PlaneShape {
+    std::string name;
+    glm::dvec3 point{0}, normal{0, 1, 0}, u{1, 0, 0}, v{0, 0, 1};  // the last three orthonormal
+    double uMin = -1e300, uMax = 1e300, vMin = -1e300, vMax = 1e300;
+    bool twoSided = true;             // false: rays that run with the normal pass
+    uint32_t material = 0;
+    double square = 0;                // > 0: a board; first square at x >= 0, y >= 0
+    uint32_t otherMaterial = 0;
+    bool mirrored = false;            // the pattern is mirrored at y = 0, as the notes' is
 };
 
 struct Light {
@@ -45,6 +65,11 @@ struct Scene {
     std::vector<TriangleMesh> meshes;
     std::vector<Material> materials;  // at least one
     std::vector<Object> objects;      // object_id = index here
+    std::vector<SphereShape> spheres;
+    std::vector<PlaneShape> planes;
+    uint32_t maxDepth = 5;            // rays one after another (--shading ray)
+    double minWeight = 0;             // a ray that weighs less is not followed
+    bool shadows = true;              // feelers are sent to the lights
     std::vector<Light> lights;
     glm::vec3 ambient{1.0f};          // Ia, linear RGB
     std::optional<Camera> camera;     // none: frame it (frameScene)

@@ -104,6 +104,7 @@ Truth truthOf(const Scene& scene, const RenderRequest& request) {
     PLUMB_ASSERT(scene.camera.has_value());
     if (request.shading == Shading::wire)
         throw usageError("a wire frame has no truth: its lines are a drawing, not the picture of a surface");
+    if (request.shading == Shading::ray) throw usageError("the truth of traced rays is not in this version");
     if (request.samples != 1 && request.samples != 4 && request.samples != 16)
         throw usageError("--samples takes 1, 4 or 16");
     const auto begin = std::chrono::steady_clock::now();

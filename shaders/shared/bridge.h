@@ -4,7 +4,8 @@
 //
 // Real, Int and Bool are one pixel in C++ (float, int, bool) and four neighbouring pixels of a row on the device
 // (vec4, ivec4, bvec4): lavapipe runs four interleaved chains faster than one. Every operation on them is
-// componentwise, so a lane of the device computes exactly what the twin computes.
+// componentwise, so a lane of the device computes exactly what the twin computes. A kernel whose pixels part ways (rays) defines
+// PLUMB_ONE_PIXEL before it includes anything and has one pixel an invocation.
 // `precise` is not written in the sources: the build decorates every float operation of every module with
 // NoContraction (toolchain/spirv/), and C++ is compiled with -ffp-contract=off.
 #ifndef PLUMB_BRIDGE_H
@@ -66,21 +67,30 @@ SHARED_END
 #define SHARED_CONST const
 #define INOUT(T) inout T
 #define SPECIALIZED(id, T) layout(constant_id = id) const T
+#ifdef PLUMB_ONE_PIXEL
+#define Real float
+#define Int int
+#define Bool bool
+float real(float x) { return x; }
+#else
 #define Real vec4
 #define Int ivec4
 #define Bool bvec4
+vec4 real(float x) { return vec4(x); }
+#endif
 float pick(bool c, float yes, float no) { return c ? yes : no; }
 int pick(bool c, int yes, int no) { return c ? yes : no; }
 uint pick(bool c, uint yes, uint no) { return c ? yes : no; }
 vec4 pick(bvec4 c, vec4 yes, vec4 no) { return mix(no, yes, c); }
 ivec4 pick(bvec4 c, ivec4 yes, ivec4 no) { return mix(no, yes, c); }
+bool gt(float a, float b) { return a > b; }   // no plant: every use in a kernel of one pixel is a contract's own decision
+bool same(int a, int b) { return a == b; }    // no plant: the same
 bvec4 gt(vec4 a, vec4 b) { return greaterThan(a, b); }
 bvec4 same(ivec4 a, ivec4 b) { return equal(a, b); }
 vec4 toReal(ivec4 i) { return vec4(i); }
 float toReal(int i) { return float(i); }
 ivec4 toInt(vec4 x) { return ivec4(x); }
 int toInt(float x) { return int(x); }
-vec4 real(float x) { return vec4(x); }
 ivec4 bitsOf(vec4 x) { return floatBitsToInt(x); }
 int bitsOf(float x) { return floatBitsToInt(x); }
 vec4 realOf(ivec4 bits) { return intBitsToFloat(bits); }

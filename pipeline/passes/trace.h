@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// Trace: rays from the eye, their reflections and refractions, and feelers to the lights. Contract: shaders/shared/trace.h.
+#pragma once
+
+#include "host/recorder.h"
+#include "shaders/shared/encode.h"
+#include "shaders/shared/trace.h"
+
+#include <span>
+#include <vector>
+
+namespace plumb {
+
+// What rays meet: in the passes' unit, relative to the eye. Objects count spheres first, then planes, then triangles.
+struct TraceScene {
+    std::vector<glm::vec4> spheres;            // centre, radius
+    std::vector<gpu::PlaneRecord> planes;
+    std::vector<uint32_t> surfaces;            // material of each sphere and plane
+    std::vector<glm::vec4> corners;            // two each: position, normal
+    std::vector<glm::uvec4> triangles;         // two each: corners and material, bits of the geometric normal
+    std::vector<glm::uvec4> nodes;             // two each (tree.h)
+    float reach = 0;                           // largest |coordinate| of a corner
+    std::vector<gpu::TraceMaterial> materials;
+    std::vector<gpu::LightRecord> lights;
+    bool far = false;                          // some sphere is farther than 256 of its radii from something else
+    bool branching = false;                    // some material has two children
+};
+
+struct TraceChoices {
+    uint32_t encoding = gpu::kEncodeSrgb;
+    uint32_t planes = 0;                       // gpu::kTracePlane bits
+    bool colour = true;                        // leave the encoded sample
+    bool list = false;                         // keep waiting rays in a list; needed where a hit has two children
+    bool shadows = true;
+    bool count = true;
+    gpu::ShadeParts parts{true, true, true};
+};
+
+// What the twin leaves: one value a sample (three floats for linear and normal), row by row; normal may be empty.
+struct TraceOutput {
+    std::span<uint32_t> distance;              // bits; 0 where nothing is hit
+    std::span<uint32_t> object;
+    std::span<float> linear;
+    std::span<float> normal;
+};
+
+// `counters`: gpu::kCounters words that are added to. push.firstItem and itemCount say which samples; output begins at firstItem.
+void traceCpu(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices, const TraceOutput& output,
+              std::span<uint64_t> counters, uint32_t threads);
+
+struct TraceBuffers {
+    Buffer<glm::vec4> spheres;
+    Buffer<gpu::PlaneRecord> planes;
+    Buffer<uint32_t> surfaces;
+    Buffer<gpu::TraceMaterial> materials;
+    Buffer<gpu::LightRecord> lights;
+    Buffer<glm::vec4> corners;
+    Buffer<glm::uvec4> triangles, nodes;
+    Buffer<uint32_t> encodeTable;
+    Buffer<uint32_t> colours, planeWords;      // of a band
+    Buffer<uint32_t> counters;                 // gpu::kCounters
+    Buffer<uint32_t> waiting, states;          // list form: of the samples of one dispatch
+};
+
+void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices,
+                 const Specialization& exact, const TraceBuffers& buffers);
+
+}  // namespace plumb

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+// The twin: recursion, objects from the last to the first, the tree from its far child to its near one, feelers that gather their blockers
+// before they multiply.
+#include "pipeline/passes/parallel.h"
+#include "pipeline/passes/trace.h"
+
+#include <algorithm>
+#include <mutex>
+
+namespace plumb {
+
+namespace {
+
+struct TwinRay {
+    glm::vec3 origin{0}, direction{0};
+    float weight = 1;
+    uint32_t from = gpu::kNoObject;
+    bool inside = false;
+    uint32_t depth = 1, kind = gpu::kCountPrimary;
+};
+
+struct Nearest {
+    float t = gpu::kFarthestHit;
+    uint32_t object = gpu::kNoObject;
+};
+
+class Tracer {
+public:
+    Tracer(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices)
+        : push_(push), scene_(scene), choices_(choices), counters_(gpu::kCounters) {}
+
+    // The colour of the tree below `ray` is added to `colour`, each ray before its children.
+    struct Seen {
+        Nearest hit;
+        glm::vec3 normal{0};
+    };
+    Seen follow(const TwinRay& ray, glm::vec3& colour) {
+        ++counters_[(ray.depth - 1) * gpu::kCountKinds + ray.kind];
+        Seen seen;
+        seen.hit = nearest(ray);
+        if (seen.hit.object == gpu::kNoObject) {
+            colour = colour + push_.sky * ray.weight;
+            return seen;
+        }
+        uint32_t material = 0;
+        const gpu::SurfacePoint s = surface(seen.hit.object, ray, material);
+        const bool within = gpu::dot3(ray.direction, s.normal) > 0.0f;
+        const glm::vec3 geometric = within ? -s.normal : s.normal;
+        seen.normal = seen.hit.object < firstTriangle() ? geometric
+                                                        : gpu::normalForLight(ray.direction, geometric, within ? -smooth_ : smooth_);
+        const glm::vec3 q = gpu::leaveSurface(s.point, geometric, s.error);
+        const gpu::TraceMaterial& m = scene_.materials[material];
+        if (m.local > 0) {
+            const glm::vec3 local = localColour(m, s, seen, ray, q, geometric, within);
+            colour = colour + local * (ray.weight * m.local);
+        }
+        const gpu::Children next = gpu::childrenOf(ray.direction, seen.normal, within, m.reflect, m.transmit, m.index, m.inverseIndex,
+                                                   ray.weight, ray.depth, push_.maxDepth, push_.minWeight);
+        if (next.mirror)
+            follow({q, next.mirrorDirection, next.mirrorWeight, seen.hit.object, within, ray.depth + 1, gpu::kCountReflected}, colour);
+        if (next.pass)
+            follow({gpu::leaveSurface(s.point, -geometric, s.error), next.passDirection, next.passWeight, seen.hit.object, !within,
+                    ray.depth + 1, gpu::kCountRefracted},
+                   colour);
+        return seen;
+    }
+
+    const std::vector<uint64_t>& counters() const { return counters_; }
+
+private:
+    gpu::SphereHit sphere(size_t i, const glm::vec3& o, const glm::vec3& d, uint32_t from, bool inside) const {
+        const glm::vec4& s = scene_.spheres[i];
+        return gpu::hitSphere(o, d, glm::vec3(s), s.w, gpu::startOn(uint32_t(i), from, inside), scene_.far);
+    }
+    gpu::PlaneHit plane(size_t i, const glm::vec3& o, const glm::vec3& d, uint32_t from, bool inside) const {
+        const gpu::PlaneRecord& p = scene_.planes[i];
+        return gpu::hitPlane(o, d, glm::vec4(p.normal, p.distance), glm::vec4(p.u, p.u0), glm::vec4(p.v, p.v0),
+                             glm::vec4(p.uMin, p.uMax, p.vMin, p.vMax), p.twoSided != 0.0f,
+                             gpu::startOn(uint32_t(scene_.spheres.size() + i), from, inside));
+    }
+    uint32_t materialOfPlane(size_t i, const gpu::PlaneHit& hit) const {
+        const gpu::PlaneRecord& p = scene_.planes[i];
+        if (p.square > 0 && gpu::otherSquare(hit.u, hit.v, p.square, p.mirrored)) return uint32_t(p.other);
+        return scene_.surfaces[scene_.spheres.size() + i];
+    }
+
+    uint32_t firstTriangle() const { return uint32_t(scene_.surfaces.size()); }
+    gpu::TriangleHit triangle(uint32_t i, const gpu::RayFrame& frame, bool own) const {
+        const glm::uvec4& t = scene_.triangles[2 * size_t(i)];
+        return gpu::hitTriangle(frame, position(t.x), position(t.y), position(t.z), own);
+    }
+    glm::vec3 position(uint32_t corner) const { return glm::vec3(scene_.corners[2 * size_t(corner)]); }
+    glm::vec3 normal(uint32_t corner) const { return glm::vec3(scene_.corners[2 * size_t(corner) + 1]); }
+    static glm::vec3 floatsOf(const glm::uvec4& words) {
+        return {gpu::realOf(int(words.x)), gpu::realOf(int(words.y)), gpu::realOf(int(words.z))};
+    }
+
+    // Calls visit(node, triangle) for each leaf below `node` that the ray may meet before `longest()`.
+    template <class Longest, class Visit>
+    void walk(uint32_t node, const gpu::RayFrame& frame, const Longest& longest, const Visit& visit) const {
+        const glm::uvec4 &a = scene_.nodes[2 * size_t(node)], &b = scene_.nodes[2 * size_t(node) + 1];
+        const glm::vec3 low = floatsOf(a), high = floatsOf(b);
+        if (!gpu::opens(gpu::entryOfBox(frame, low, high), gpu::exitOfBox(frame, low, high), longest())) return;
+        if (b.w != gpu::kInnerNode) {
+            visit(node, b.w);
+            return;
+        }
+        const uint32_t first = node + 1, second = scene_.nodes[2 * size_t(first)].w;
+        walk(second, frame, longest, visit);
+        walk(first, frame, longest, visit);
+    }
+
+    Nearest nearest(const TwinRay& ray) {
+        Nearest best;
+        if (!scene_.nodes.empty()) {
+            const gpu::RayFrame frame = gpu::frameOfRay(ray.origin, ray.direction, scene_.reach);
+            walk(0, frame, [&] { return best.t; },
+                 [&](uint32_t, uint32_t i) { take(best, triangle(i, frame, firstTriangle() + i == ray.from).t, firstTriangle() + i); });
+        }
+        for (size_t i = scene_.planes.size(); i-- > 0;) {
+            const gpu::PlaneHit hit = plane(i, ray.origin, ray.direction, ray.from, ray.inside);
+            counters_[gpu::kCountUndecided] += hit.undecided;
+            take(best, hit.t, uint32_t(scene_.spheres.size() + i));
+        }
+        for (size_t i = scene_.spheres.size(); i-- > 0;)
+            take(best, sphere(i, ray.origin, ray.direction, ray.from, ray.inside).t, uint32_t(i));
+        return best;
+    }
+    static void take(Nearest& best, float t, uint32_t object) {
+        if (gpu::isNearer(t, object, best.t, best.object)) best = {t, object};
+    }
+
+    gpu::SurfacePoint surface(uint32_t object, const TwinRay& ray, uint32_t& material) {
+        if (object >= firstTriangle()) {
+            const uint32_t i = object - firstTriangle();
+            const glm::uvec4& t = scene_.triangles[2 * size_t(i)];
+            const gpu::TriangleHit hit = triangle(i, gpu::frameOfRay(ray.origin, ray.direction, scene_.reach), false);
+            smooth_ = gpu::unitLength((normal(t.x) * hit.w0 + normal(t.y) * hit.w1) + normal(t.z) * hit.w2);
+            material = t.w;
+            return gpu::pointOnTriangle(position(t.x), position(t.y), position(t.z), floatsOf(scene_.triangles[2 * size_t(i) + 1]), hit);
+        }
+        if (object < scene_.spheres.size()) {
+            const glm::vec4& s = scene_.spheres[object];
+            material = scene_.surfaces[object];
+            return gpu::pointOnSphere(glm::vec3(s), s.w, sphere(object, ray.origin, ray.direction, ray.from, ray.inside).offset);
+        }
+        const size_t i = object - scene_.spheres.size();
+        const gpu::PlaneHit hit = plane(i, ray.origin, ray.direction, ray.from, ray.inside);
+        material = materialOfPlane(i, hit);
+        return gpu::pointOnPlane(scene_.planes[i].normal, hit.point);
+    }
+
+    // What a feeler lets through.
+    float passed(const glm::vec3& q, const gpu::Feeler& feeler, uint32_t from, bool inside) const {
+        std::vector<std::pair<uint32_t, float>> blockers;  // triangles by their place in the tree
+        if (!scene_.nodes.empty()) {
+            const gpu::RayFrame frame = gpu::frameOfRay(q, feeler.direction, scene_.reach);
+            walk(0, frame, [&] { return feeler.reach; },
+                 [&](uint32_t node, uint32_t i) {
+                     if (!gpu::blocks(triangle(i, frame, firstTriangle() + i == from).t, feeler.reach)) return;
+                     const float slope = gpu::dot3(feeler.direction, floatsOf(scene_.triangles[2 * size_t(i) + 1]));
+                     const float share = scene_.materials[scene_.triangles[2 * size_t(i)].w].transmit;
+                     blockers.emplace_back(firstTriangle() + node, gpu::passesTriangle(share, slope));
+                 });
+        }
+        for (size_t i = scene_.planes.size(); i-- > 0;) {
+            const gpu::PlaneHit hit = plane(i, q, feeler.direction, from, inside);
+            if (gpu::blocks(hit.t, feeler.reach))
+                blockers.emplace_back(uint32_t(scene_.spheres.size() + i), scene_.materials[materialOfPlane(i, hit)].transmit);
+        }
+        for (size_t i = scene_.spheres.size(); i-- > 0;)
+            if (gpu::blocks(sphere(i, q, feeler.direction, from, inside).t, feeler.reach))
+                blockers.emplace_back(uint32_t(i), scene_.materials[scene_.surfaces[i]].transmit);
+        std::sort(blockers.begin(), blockers.end());
+        float product = 1;
+        for (const auto& [object, share] : blockers) product *= share;
+        return product;
+    }
+
+    glm::vec3 localColour(const gpu::TraceMaterial& m, const gpu::SurfacePoint& s, const Seen& seen, const TwinRay& ray, const glm::vec3& q,
+                          const glm::vec3& geometric, bool within) {
+        const glm::vec3& n = seen.normal;
+        const glm::vec3& d = ray.direction;
+        gpu::Colour c{m.base.x, m.base.y, m.base.z};
+        const gpu::Surface surface{n.x, n.y, n.z, -d.x, -d.y, -d.z, s.point.x, s.point.y, s.point.z};
+        const gpu::Reflectance k{m.diffuse.x,  m.diffuse.y,  m.diffuse.z, m.specular.x,
+                                 m.specular.y, m.specular.z, m.shininess, m.zeroPower};
+        for (const gpu::LightRecord& light : scene_.lights) {
+            const glm::vec4 place(light.place, light.kind);
+            const gpu::Feeler feeler = gpu::feelerTo(place, q);
+            float share = 0;
+            if (gpu::dot3(n, feeler.direction) > 0.0f && gpu::dot3(geometric, feeler.direction) > 0.0f) {
+                ++counters_[(ray.depth - 1) * gpu::kCountKinds + gpu::kCountFeelers];
+                share = choices_.shadows ? passed(q, feeler, seen.hit.object, within) : 1.0f;
+            }
+            gpu::addLight(place, glm::vec4(light.intensity * share, light.attenuation), surface, k, choices_.parts, c);
+        }
+        return {c.r, c.g, c.b};
+    }
+
+    glm::vec3 smooth_{0};  // interpolated normal of the triangle that surface() saw last
+    const gpu::TracePush& push_;
+    const TraceScene& scene_;
+    const TraceChoices& choices_;
+    std::vector<uint64_t> counters_;
+};
+
+}  // namespace
+
+void traceCpu(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices, const TraceOutput& output,
+              std::span<uint64_t> counters, uint32_t threads) {
+    std::mutex adding;
+    parallelBands(push.itemCount, 256, threads, [&](uint64_t begin, uint64_t end) {
+        Tracer tracer(push, scene, choices);
+        for (uint64_t item = begin; item < end; ++item) {
+            const uint64_t at = push.firstItem + item;
+            TwinRay ray;
+            ray.direction = gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, float(at % push.width) + 0.5f,
+                                                  float(at / push.width) + 0.5f);
+            glm::vec3 colour(0);
+            const auto seen = tracer.follow(ray, colour);
+            const bool hits = seen.hit.object != gpu::kNoObject;
+            output.distance[item] = hits ? gpu::ubitsOf(seen.hit.t) : 0u;
+            output.object[item] = seen.hit.object;
+            for (int i = 0; i < 3; ++i) {
+                output.linear[3 * item + size_t(i)] = colour[i];
+                if (!output.normal.empty()) output.normal[3 * item + size_t(i)] = hits ? seen.normal[i] : 0.0f;
+            }
+        }
+        const std::scoped_lock lock(adding);
+        for (size_t i = 0; i < counters.size(); ++i) counters[i] += tracer.counters()[i];
+    });
+}
+
+}  // namespace plumb

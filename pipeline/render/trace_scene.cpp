@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/render/trace_frame.h"
+
+#include "pipeline/passes/tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace plumb {
+
+namespace {
+
+constexpr double kFarthest = 0x1p60;      // gpu::kFarthestHit
+constexpr double kLeastRadius = 0x1p-30;  // of the near plane: squares and their errors stay normal
+constexpr double kFarRadii = 256;         // beyond, the plain form loses more than 2^-14 of the radius (docs/accuracy.md, rays)
+constexpr float kUnbounded = 0x1p100f;
+constexpr size_t kMostParts = size_t(1) << 26;  // texels of a device: 2^27, two a part
+
+class Records {
+public:
+    Records(const Scene& scene, const Prepared& p) : scene_(scene), eye_(scene.camera->eye), unit_(p.unit), slots_(scene.materials.size(), kNone) {
+        out_.lights = p.list.lights;
+    }
+
+    TraceScene build() {
+        for (const SphereShape& s : scene_.spheres) addSphere(s);
+        for (const PlaneShape& p : scene_.planes) addPlane(p);
+        for (const Object& object : scene_.objects) addObject(object);
+        std::vector<glm::vec3> triangles;
+        for (size_t i = 0; i < out_.triangles.size(); i += 2)
+            for (int k = 0; k < 3; ++k) triangles.emplace_back(out_.corners[2 * size_t(out_.triangles[i][k])]);
+        out_.nodes = treeOfTriangles(triangles);
+        for (const glm::vec3& c : triangles) out_.reach = std::max({out_.reach, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+        reach_ = std::max(reach_, 2 * out_.reach);
+        for (const glm::vec4& s : out_.spheres) out_.far |= double(reach_) * 2 > kFarRadii * double(s.w);
+        return std::move(out_);
+    }
+
+private:
+    // No subnormal numbers reach the device.
+    static float rounded(double x) { return std::abs(x) < std::numeric_limits<float>::min() ? 0.0f : float(x); }
+    static glm::vec3 rounded(const glm::dvec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
+    std::string nameOf(const std::string& name, const char* kind) const {
+        return name.empty() ? fmt::format("{}: a {}", scene_.path, kind) : fmt::format("{}: {} '{}'", scene_.path, kind, name);
+    }
+
+    void addSphere(const SphereShape& s) {
+        const glm::dvec3 centre = (s.centre - eye_) * unit_;
+        const double radius = s.radius * unit_, reach = glm::length(centre) + radius;
+        if (!(reach <= kFarthest))
+            throw inputError(nameOf(s.name, "sphere"), "it reaches further from the eye than 2^60 times the near plane");
+        if (radius < kLeastRadius) throw inputError(nameOf(s.name, "sphere"), "its radius is below 2^-30 of the near plane");
+        out_.spheres.emplace_back(rounded(centre), float(radius));
+        reach_ = std::max(reach_, float(reach));
+        out_.surfaces.push_back(slotOf(s.material));
+    }
+
+    void addPlane(const PlaneShape& p) {
+        gpu::PlaneRecord r{};
+        r.normal = rounded(p.normal);
+        r.u = rounded(p.u);
+        r.v = rounded(p.v);
+        const glm::dvec3 anchor = (p.point - eye_) * unit_;
+        if (!(glm::length(anchor) <= kFarthest))
+            throw inputError(nameOf(p.name, "plane"), "its point is further from the eye than 2^60 times the near plane");
+        // With the rounded axes, so that the stated point lies on the plane and is the origin of its coordinates.
+        r.distance = rounded(glm::dot(glm::dvec3(r.normal), anchor));
+        r.u0 = rounded(-glm::dot(glm::dvec3(r.u), anchor));
+        r.v0 = rounded(-glm::dot(glm::dvec3(r.v), anchor));
+        const auto bound = [&](double x) { return float(std::clamp(x * unit_, -double(kUnbounded), double(kUnbounded))); };
+        r.uMin = bound(p.uMin);
+        r.uMax = bound(p.uMax);
+        r.vMin = bound(p.vMin);
+        r.vMax = bound(p.vMax);
+        r.square = p.square > 0 ? float(std::clamp(p.square * unit_, 0x1p-60, double(kUnbounded))) : 0.0f;
+        r.mirrored = p.mirrored ? 1.0f : 0.0f;
+        r.twoSided = p.twoSided ? 1.0f : 0.0f;
+        out_.surfaces.push_back(slotOf(p.material));
+        r.other = p.square > 0 ? float(slotOf(p.otherMaterial)) : 0.0f;
+        out_.planes.push_back(r);
+    }
+
+    // Every object's triangles in world space, relative to the eye: composed in binary64, rounded once.
+    void addObject(const Object& object) {
+        const TriangleMesh& mesh = scene_.meshes[object.mesh];
+        const glm::dmat3 linear(object.worldFromObject);
+        const double determinant = glm::determinant(linear);
+        glm::dmat3 normals;  // cofactors: the inverse transpose times the determinant
+        normals[0] = glm::cross(linear[1], linear[2]);
+        normals[1] = glm::cross(linear[2], linear[0]);
+        normals[2] = glm::cross(linear[0], linear[1]);
+        if (determinant < 0) normals = -normals;
+        const auto first = uint32_t(out_.corners.size() / 2);
+        if ((out_.triangles.size() / 2 + mesh.triangles.size() + out_.corners.size() / 2 + mesh.positions.size()) > kMostParts)
+            throw inputError(scene_.path, fmt::format("--shading ray takes at most {} triangles and corners", kMostParts));
+        for (size_t i = 0; i < mesh.positions.size(); ++i) {
+            const glm::dvec3 p = (glm::dvec3(object.worldFromObject * glm::dvec4(mesh.positions[i], 1)) - eye_) * unit_;
+            if (!(glm::length(p) <= kFarthest))
+                throw inputError(object.name.empty() ? scene_.path : object.name, "it reaches further from the eye than 2^60 times the near plane");
+            out_.corners.emplace_back(rounded(p), 1.0f);
+            out_.corners.emplace_back(rounded(unitOr(normals * glm::dvec3(mesh.normals[i]), {0, 0, 1})), 0.0f);
+        }
+        for (const TriangleMesh::Triangle& t : mesh.triangles) {
+            glm::dvec3 corner[3];
+            for (int k = 0; k < 3; ++k) corner[k] = glm::dvec3(out_.corners[2 * size_t(first + t.vertex[k])]);
+            glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+            if (determinant < 0) normal = -normal;
+            const glm::vec3 n = rounded(unitOr(normal, {0, 0, 1}));
+            out_.triangles.emplace_back(first + t.vertex[0], first + t.vertex[1], first + t.vertex[2], slotOf(mesh.faceMaterial[t.face]));
+            out_.triangles.emplace_back(gpu::ubitsOf(n.x), gpu::ubitsOf(n.y), gpu::ubitsOf(n.z), 0u);
+        }
+    }
+    static glm::dvec3 unitOr(const glm::dvec3& v, const glm::dvec3& otherwise) {
+        const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+        return largest > 0 ? glm::normalize(v / largest) : otherwise;
+    }
+
+    uint32_t slotOf(uint32_t material) {
+        uint32_t& slot = slots_[material];
+        if (slot != kNone) return slot;
+        slot = uint32_t(out_.materials.size());
+        const Material& m = scene_.materials[material];
+        gpu::TraceMaterial t{};
+        t.base = m.ambient * scene_.ambient + m.emission;
+        t.shininess = m.shininess;
+        t.diffuse = m.diffuse;
+        t.zeroPower = m.shininess == 0 ? 1.0f : 0.0f;
+        t.specular = m.specular;
+        t.reflect = m.reflect;
+        t.transmit = m.transmit;
+        if (m.local < 0 && m.illum >= 3) {
+            // MTL: 3, 5, 8 mirror; 4, 6, 7, 9 are glass. The share that is mirrored is the largest of Ks.
+            const bool glass = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
+            t.transmit = glass ? 1 - m.opacity : 0.0f;
+            t.reflect = std::min(std::max({m.specular.x, m.specular.y, m.specular.z}), 1 - t.transmit);
+        }
+        t.local = m.local >= 0 ? m.local : std::max(0.0f, 1 - t.reflect - t.transmit);
+        t.index = m.refractiveIndex;
+        t.inverseIndex = 1 / m.refractiveIndex;
+        out_.branching |= t.reflect > 0 && t.transmit > 0;
+        out_.materials.push_back(t);
+        return slot;
+    }
+
+    const Scene& scene_;
+    const glm::dvec3 eye_;
+    const double unit_;
+    std::vector<uint32_t> slots_;
+    float reach_ = 0;
+    TraceScene out_;
+};
+
+}  // namespace
+
+TraceScene traceSceneOf(const Scene& scene, const Prepared& prepared) {
+    return Records(scene, prepared).build();
+}
+
+TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, const Prepared& prepared, const TraceScene& traced) {
+    TraceChoices c;
+    c.encoding = prepared.choices.encoding;
+    c.list = traced.branching || request.rayLimit != 0;
+    c.shadows = scene.shadows;
+    c.parts.specular = request.keepEverything;
+    c.parts.point = request.keepEverything;
+    for (const gpu::TraceMaterial& m : traced.materials) c.parts.specular |= m.specular.x + m.specular.y + m.specular.z > 0;
+    for (const gpu::LightRecord& l : traced.lights) c.parts.point |= l.kind != 0;
+    return c;
+}
+
+// A lavapipe `for` runs its body once more than it has items.
+uint64_t stepsOfRay(const TraceScene& traced) {
+    const uint64_t objects = traced.spheres.size() + 1 + traced.planes.size() + 1;
+    return objects * (1 + traced.lights.size()) + traced.lights.size() + 2;
+}
+
+}  // namespace plumb

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+// Contract of hits: where a ray meets a sphere or a plane, and which colour of a board it finds there.
+// A ray knows the object it starts on and the side it leaves on: a plane is never met again, a sphere never from outside, and from
+// inside at its far side only. So no distance is compared with an epsilon; origins besides are moved off the surface (ray.h).
+#ifndef PLUMB_HIT_H
+#define PLUMB_HIT_H
+#include "ray.h"
+SHARED_BEGIN
+
+SHARED_CONST uint kNoObject = 0xffffffffu;
+
+// Where a ray starts with respect to the object that is asked.
+SHARED_CONST uint kStartElsewhere = 0u;
+SHARED_CONST uint kStartOutside = 1u;   // on it, leaving on the side of its normal
+SHARED_CONST uint kStartInside = 2u;
+
+SHARED_FN uint startOn(uint object, uint from, bool inside) {
+    return pick(object == from, pick(inside, kStartInside, kStartOutside), kStartElsewhere);
+}
+
+// Nearest wins; at equal distance the lower object. The result does not depend on the order of visits.
+SHARED_FN bool isNearer(float t, uint object, float bestT, uint best) {
+    return t > 0.0f && (t < bestT || (t == bestT && object < best));
+}
+
+// o - c + k d, rounded about once: difference and product with their errors (Knuth, Dekker). Products below 2^-60 count as exact, so
+// that no error term is subnormal.
+SHARED_FN float upperHalf(float x) {
+    float scaled = x * 4097.0f;
+    return scaled - (scaled - x);
+}
+SHARED_FN float productError(float a, float b, float product) {
+    float ah = upperHalf(a);
+    float al = a - ah;
+    float bh = upperHalf(b);
+    float bl = b - bh;
+    float error = al * bl - (((product - ah * bh) - al * bh) - ah * bl);
+    return pick(abs(product) > 8.6736173798840355e-19f, error, 0.0f);
+}
+SHARED_FN float pointOnLine(float o, float c, float k, float d) {
+    float high = o - c;
+    float back = high - o;
+    float low = (o - (high - back)) - (c + back);
+    float product = k * d;
+    float sum = high + product;
+    float part = sum - high;
+    float lost = (high - (sum - part)) + (product - part);
+    return sum + ((lost + productError(k, d, product)) + low);
+}
+
+struct SphereHit {
+    float t;                            // distance; 0: none
+    vec3 offset;                        // from the centre to the hit
+};
+
+// Sphere of centre c and radius r in [2^-30, 2^60]. k: along the ray to the point nearest to the centre, l: from the centre to it, h: half
+// the chord. From outside t = (f.f - r^2) / (k + h), without the cancellation of k - h; from inside h^2 = k^2 + (r^2 - f.f), both
+// summands positive. `far` (a sphere farther than 256 radii): l to about one rounding instead of u |f| (docs/accuracy.md, rays).
+SHARED_FN SphereHit hitSphere(vec3 o, vec3 d, vec3 c, float r, uint start, bool far) {
+    vec3 f = o - c;
+    float k = -dot3(f, d);
+    vec3 l = f + d * k;
+    if (far) {
+        l = vec3(pointOnLine(o.x, c.x, k, d.x), pointOnLine(o.y, c.y, k, d.y), pointOnLine(o.z, c.z, k, d.z));
+        float again = -dot3(l, d);
+        l = l + d * again;
+        k = k + again;
+    }
+    float outside = dot3(f, f) - r * r;
+    float square = r * r - dot3(l, l);
+    bool within = outside <= 0.0f;
+    bool ahead = k > 0.0f;
+    square = pick(within, k * k - outside, square);
+    bool meets = square >= 0.0f;
+    // no plant: the root of a negative number is not used
+    float h = exactRoot(pick(meets, square, 0.0f));
+    float sum = abs(k) + h;
+    // no plant: 0 / 0 is not used
+    float quotient = exactDivide(abs(outside), pick(sum > 0.0f, sum, 1.0f));
+    float leaving = pick(ahead, sum, quotient);
+    float entering = pick(ahead && meets, quotient, 0.0f);
+    SphereHit hit;
+    hit.t = pick(within, leaving, entering);
+    // On the sphere itself f.f = r^2: from inside the far side is 2 k away, from outside there is nothing.
+    bool own = start != kStartElsewhere;
+    float across = pick(start == kStartInside && ahead, k + k, 0.0f);
+    hit.t = pick(own, across, hit.t);
+    hit.t = pick(hit.t <= kFarthestHit, hit.t, 0.0f);
+    float side = pick(within, h, -h);
+    side = pick(own, k, side);
+    hit.offset = l + d * side;
+    return hit;
+}
+
+// A surface where a ray meets it. The point lies within sum |n_i| error_i of the surface.
+struct SurfacePoint {
+    vec3 point, normal, error;
+};
+
+// |normal| = 1 within 9 u, so c + r n is within 9 u r + 2 u |p_i| + u r of the sphere (one product, one sum a coordinate).
+SHARED_FN SurfacePoint pointOnSphere(vec3 c, float r, vec3 offset) {
+    SurfacePoint s;
+    s.normal = unitLength(offset);
+    s.point = c + s.normal * r;
+    s.error = (magnitudes(s.point) * 4.0f + vec3(12.0f * r)) * 5.9604644775390625e-8f;
+    return s;
+}
+
+// n.x = distance; (u, v) = (U.x + u0, V.x + v0) are the board's coordinates in the scene's lengths times the passes' unit.
+struct PlaneRecord {
+    vec3 normal;
+    float distance;
+    vec3 u;
+    float u0;
+    vec3 v;
+    float v0;
+    float uMin, uMax, vMin, vMax;       // bounds, inclusive
+    float square;                       // side of a board's squares; 0: no board
+    float mirrored;                     // 1: the board is mirrored at v = 0, as the notes' is; 0: squares alternate across it
+    float twoSided;                     // 0: rays that run with the normal pass
+    float other;                        // material of the board's other squares
+};
+SHARED_CONST int kPlaneTexels = 5;
+
+struct PlaneHit {
+    float t;                            // distance; 0: none
+    vec3 point;
+    float u, v;
+    uint undecided;                     // 1: the ray is parallel to the plane within rounding; counted, not hit
+};
+
+SHARED_FN PlaneHit hitPlane(vec3 o, vec3 d, vec4 plane, vec4 u, vec4 v, vec4 bounds, bool twoSided, uint start) {
+    vec3 n = vec3(plane.x, plane.y, plane.z);
+    float slope = dot3(n, d);
+    // Error of n.d: 3 u of sum |n_i d_i| (accuracy.md B.9); 2^-40: the direction itself is not known better.
+    float reach = dot3(magnitudes(n), magnitudes(d));
+    bool decided = abs(slope) > 2.384185791015625e-7f * reach + 9.094947017729282e-13f;
+    // no plant: the quotient of an undecided slope is not used
+    float t = exactDivide(snapTiny(plane.w - dot3(n, o)), pick(decided, slope, 1.0f));
+    bool faces = twoSided || slope < 0.0f;
+    bool elsewhere = start == kStartElsewhere;
+    bool reached = t > 0.0f && t <= kFarthestHit;
+    PlaneHit hit;
+    hit.undecided = pick(decided || !elsewhere, 0u, 1u);
+    t = pick(decided && faces && elsewhere && reached, t, 0.0f);
+    vec3 p = o + d * t;
+    p = p + n * (plane.w - dot3(n, p));
+    hit.point = p;
+    hit.u = dot3(vec3(u.x, u.y, u.z), p) + u.w;
+    hit.v = dot3(vec3(v.x, v.y, v.z), p) + v.w;
+    bool bounded = hit.u >= bounds.x && hit.u <= bounds.y && hit.v >= bounds.z && hit.v <= bounds.w;
+    hit.t = pick(bounded, t, 0.0f);
+    return hit;
+}
+
+// After the step back onto the plane: 4 u sum |n_i p_i| from n.p, 2 u |distance| (itself below that sum), u |p_i| from the sum.
+SHARED_FN SurfacePoint pointOnPlane(vec3 normal, vec3 point) {
+    SurfacePoint s;
+    s.normal = normal;
+    s.point = point;
+    s.error = magnitudes(point) * (12.0f * 5.9604644775390625e-8f);
+    return s;
+}
+
+// Whether |x| lies in an odd square, counted from 0: the notes' |x| mod 2 s > s. The end of an even square belongs to it, that of an odd one does not.
+SHARED_FN bool oddSquare(float x, float square) {
+    float m = exactDivide(abs(x), square);
+    float pairs = floorReal(m * 0.5f);
+    return m - (pairs + pairs) > 1.0f;
+}
+
+// Whether (u, v) lies in a square of the second material. First where u >= 0 in the innermost square; each odd square flips.
+SHARED_FN bool otherSquare(float u, float v, float square, float mirrored) {
+    bool other = u < 0.0f;
+    other = other != oddSquare(u, square);
+    other = other != oddSquare(v, square);
+    return other != (v < 0.0f && mirrored == 0.0f);
+}
+
+SHARED_END
+#endif

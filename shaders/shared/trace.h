@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// Contract of the trace pass: light transport of the notes (18.1 to 18.4.3).
+//   colour of a ray = local weight * Phong with shadow feelers + reflect * colour of the mirrored ray + transmit * colour of the refracted ray,
+// a ray that hits nothing has the sky's. It is summed as weight of the path * local colour, each ray before its children and the mirrored
+// child's whole tree before the refracted one's: this order is part of the contract, so however the rays are kept the bytes are the same.
+#ifndef PLUMB_TRACE_H
+#define PLUMB_TRACE_H
+#include "triangle.h"
+SHARED_BEGIN
+
+SHARED_CONST uint kRayDepthLimit = 64u;     // of rays one after another; the primary ray has depth 1
+
+// Objects that rays meet are counted in one row: spheres, planes, triangles. A mesh has, as texels: two a corner (position, normal), two a
+// triangle (corners and material; bits of its geometric normal), two a node of its tree: (box low, node that follows when this one is passed
+// over), (box high, triangle or kInnerNode). Nodes stand in depth-first order, a leaf holds one triangle.
+SHARED_CONST uint kInnerNode = 0xffffffffu;
+
+// Four texels.
+struct TraceMaterial {
+    vec3 base;                          // Ka Ia + Ke
+    float shininess;
+    vec3 diffuse;
+    float zeroPower;                    // as in MaterialRecord
+    vec3 specular;
+    float local;                        // weight of the local colour
+    float reflect, transmit;            // weights; local + reflect + transmit <= 1
+    float index, inverseIndex;          // refractive index of the inside, outside 1; the notes' density ratio d
+};
+SHARED_CONST int kTraceMaterialTexels = 4;
+
+// Exact counts, four words a depth: rays of each kind, and feelers sent from hits of rays of that depth.
+SHARED_CONST uint kCountPrimary = 0u;
+SHARED_CONST uint kCountReflected = 1u;
+SHARED_CONST uint kCountRefracted = 2u;
+SHARED_CONST uint kCountFeelers = 3u;
+SHARED_CONST uint kCountKinds = 4u;
+SHARED_CONST uint kCountUndecided = 256u;   // rays parallel to a plane within rounding
+SHARED_CONST uint kCountUnfinished = 257u;  // samples with rays still waiting (list form)
+SHARED_CONST uint kCounters = 258u;
+
+// Planes that a draw can leave, in this order, only those asked for.
+SHARED_CONST uint kTracePlaneDistance = 1u; // bits of the distance; 0 where nothing is hit
+SHARED_CONST uint kTracePlaneObject = 2u;   // kNoObject where nothing is hit
+SHARED_CONST uint kTracePlaneLinear = 4u;   // three planes
+SHARED_CONST uint kTracePlaneNormal = 8u;   // three planes: world, unit, facing the eye
+
+// A ray that waits for its turn: origin, direction, weight, object it starts on, depth << 3 | kind << 1 | inside.
+SHARED_CONST uint kWaitingWords = 9u;
+// Of a sample between two dispatches: colour so far, rays that wait.
+SHARED_CONST uint kStateWords = 4u;
+
+struct TracePush {
+    uint statusSlot;
+    uint itemCount, firstItem;          // samples of this dispatch, row by row in the frame
+    uint width;                         // of the frame
+    uint firstRow;                      // of the band: row 0 of the buffers
+    uint rowWords, planeWords;          // pitch
+    uint sphereCount, planeCount, lightCount, nodeCount;
+    float reach;                        // largest |coordinate| of a corner
+    uint maxDepth;
+    uint rayLimit;                      // rays a sample may follow in this dispatch
+    uint first;                         // 1: samples begin; 0: they go on with what waits (list form)
+    uint background;                    // encoded
+    float minWeight;
+    vec3 rayOrigin, rayX, rayY;         // direction to sample (x, y), forward component 1
+    vec3 sky;
+};
+
+SHARED_FN vec3 primaryDirection(vec3 origin, vec3 perX, vec3 perY, float x, float y) {
+    return unitLength((origin + perX * x) + perY * y);
+}
+
+// What a hit sends on. Total reflection hands the transmitted weight to the mirrored ray.
+struct Children {
+    bool mirror, pass;
+    float mirrorWeight, passWeight;
+    vec3 mirrorDirection, passDirection;
+};
+
+// n faces the ray. A child is followed when it is no deeper than maxDepth and weighs at least minWeight.
+SHARED_FN Children childrenOf(vec3 d, vec3 n, bool inside, float mirrorShare, float passShare, float index, float inverseIndex, float weight,
+                              uint depth, uint maxDepth, float minWeight) {
+    float cosine = -dot3(d, n);
+    float ratio = pick(inside, index, inverseIndex);
+    float square = refractedSquare(cosine, ratio);
+    bool passes = square > 0.0f;
+    Children c;
+    c.mirrorWeight = weight * pick(passes, mirrorShare, mirrorShare + passShare);
+    c.passWeight = pick(passes, weight * passShare, 0.0f);
+    bool deeper = depth < maxDepth;
+    c.mirror = deeper && c.mirrorWeight > 0.0f && c.mirrorWeight >= minWeight;
+    c.pass = deeper && c.passWeight > 0.0f && c.passWeight >= minWeight;
+    c.mirrorDirection = mirrored(d, n, cosine);
+    // no plant: the root of a negative number is not used
+    c.passDirection = refracted(d, n, cosine, ratio, pick(passes, square, 1.0f));
+    return c;
+}
+
+// A feeler from q to a light: direction and length. Nothing at or behind the light casts: the length is shortened by 16 u, the error of both
+// lengths that are compared.
+struct Feeler {
+    vec3 direction;
+    float reach;
+};
+SHARED_FN Feeler feelerTo(vec4 place, vec3 q) {
+    vec3 toward = vec3(place.x, place.y, place.z);
+    Feeler f;
+    f.direction = toward;
+    f.reach = kFarthestHit;
+    if (place.w != 0.0f) {
+        toward = toward - q;
+        float square = dot3(toward, toward);
+        float inverse = reciprocalRoot(real(square));
+        f.direction = toward * inverse;
+        f.reach = (square * inverse) * 0.99999904632568359375f;
+    }
+    return f;
+}
+// Blockers are multiplied in ascending order of their numbers; an opaque one leaves 0.
+// Of a mesh, an opaque triangle blocks on either side; a translucent one dims where the feeler leaves the body, so once a body.
+SHARED_FN float passesTriangle(float share, float slope) { return pick(share == 0.0f || slope > 0.0f, share, 1.0f); }
+SHARED_FN bool blocks(float t, float reach) { return t > 0.0f && t < reach; }
+
+SHARED_END
+#endif

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// Contract of rays and triangles: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection" (2013), without a fused operation, and boxes.
+// In the sheared space of a ray a corner has the same coordinates in every triangle, and the sign of an edge value is exact: rounding is
+// monotone, so p - q of two rounded products has the sign of the exact difference or is 0, and then the products' errors decide. What
+// lies on an edge belongs to both triangles: no ray passes between them, and the lower triangle is hit.
+#ifndef PLUMB_TRIANGLE_H
+#define PLUMB_TRIANGLE_H
+#include "hit.h"
+SHARED_BEGIN
+
+// A ray as triangles and boxes take it.
+struct RayFrame {
+    vec3 origin, direction;
+    vec3 inverse;                       // 1 / direction; 2^60 in magnitude where that is smaller
+    uint axis;                          // of the largest |direction|
+    float shearX, shearY, scale;
+    float pad;                          // boxes are widened by the error of a sheared corner: 8 u of all lengths in it
+};
+
+SHARED_FN float safeInverse(float x) {
+    float least = 8.6736173798840355e-19f;  // 2^-60
+    float instead = pick(x < 0.0f, -least, least);
+    return exactDivide(1.0f, pick(abs(x) > least, x, instead));
+}
+
+// The axis last, in cyclic order.
+SHARED_FN vec3 turned(vec3 v, uint axis) {
+    vec3 one = chosen(axis == 1u, vec3(v.z, v.x, v.y), v);
+    return chosen(axis == 0u, vec3(v.y, v.z, v.x), one);
+}
+
+// reach: the largest |coordinate| of a corner.
+SHARED_FN RayFrame frameOfRay(vec3 o, vec3 d, float reach) {
+    RayFrame f;
+    f.origin = o;
+    f.direction = d;
+    f.inverse = vec3(safeInverse(d.x), safeInverse(d.y), safeInverse(d.z));
+    vec3 size = magnitudes(d);
+    f.axis = pick(size.y > size.x, 1u, 0u);
+    f.axis = pick(size.z > size.x && size.z > size.y, 2u, f.axis);
+    vec3 along = turned(d, f.axis);
+    vec3 inverse = turned(f.inverse, f.axis);
+    f.shearX = along.x * inverse.z;
+    f.shearY = along.y * inverse.z;
+    f.scale = inverse.z;
+    f.pad = (((abs(o.x) + abs(o.y)) + abs(o.z)) + reach) * 4.76837158203125e-7f;
+    return f;
+}
+
+// Where a ray enters and leaves a box, as far as rounding: entry <= leave * (1 + 8 u) when it meets it. Both are monotone in the
+// box, so a box within another is entered no earlier.
+SHARED_FN float entryOfBox(RayFrame f, vec3 low, vec3 high) {
+    vec3 a = ((low - f.origin) - vec3(f.pad)) * f.inverse;
+    vec3 b = ((high - f.origin) + vec3(f.pad)) * f.inverse;
+    vec3 nearer = min(a, b);
+    return max(max(nearer.x, nearer.y), nearer.z);
+}
+SHARED_FN float exitOfBox(RayFrame f, vec3 low, vec3 high) {
+    vec3 a = ((low - f.origin) - vec3(f.pad)) * f.inverse;
+    vec3 b = ((high - f.origin) + vec3(f.pad)) * f.inverse;
+    vec3 farther = max(a, b);
+    return min(min(farther.x, farther.y), farther.z) * 1.00000048f;
+}
+// Behind the origin, missed, or entered beyond what is hit already.
+SHARED_FN bool opens(float entry, float leave, float nearest) { return entry <= leave && leave >= 0.0f && entry <= nearest; }
+
+// a b - c d: the sign is exact.
+SHARED_FN float crossValue(float a, float b, float c, float d) {
+    float p = a * b;
+    float q = c * d;
+    float value = p - q;
+    return pick(value == 0.0f, productError(a, b, p) - productError(c, d, q), value);
+}
+
+struct TriangleHit {
+    float t;                            // distance; 0: none
+    float w0, w1, w2;                   // weights of the corners, sum 1 within 3 u
+};
+
+SHARED_FN vec3 sheared(RayFrame f, vec3 corner) {
+    vec3 c = turned(corner - f.origin, f.axis);
+    return vec3(c.x - f.shearX * c.z, c.y - f.shearY * c.z, c.z * f.scale);
+}
+
+// The distance is not before the entry into the triangle's own box, so a box may be passed over when something nearer than its entry is
+// hit, whatever the order: no triangle in it can win. `own`: the ray starts on this triangle.
+SHARED_FN TriangleHit hitTriangle(RayFrame f, vec3 p0, vec3 p1, vec3 p2, bool own) {
+    vec3 a = sheared(f, p0);
+    vec3 b = sheared(f, p1);
+    vec3 c = sheared(f, p2);
+    float u = crossValue(c.x, b.y, c.y, b.x);
+    float v = crossValue(a.x, c.y, a.y, c.x);
+    float w = crossValue(b.x, a.y, b.y, a.x);
+    bool front = u >= 0.0f && v >= 0.0f && w >= 0.0f;
+    bool back = u <= 0.0f && v <= 0.0f && w <= 0.0f;
+    float sum = (u + v) + w;
+    bool meets = (front || back) && abs(sum) > 1.1754943508222875e-38f && !own;
+    // no plant: x / 0 is not used
+    float inverse = exactDivide(1.0f, pick(meets, sum, 1.0f));
+    TriangleHit hit;
+    hit.w0 = u * inverse;
+    hit.w1 = v * inverse;
+    hit.w2 = w * inverse;
+    float t = (hit.w0 * a.z + hit.w1 * b.z) + hit.w2 * c.z;
+    float entry = entryOfBox(f, min(min(p0, p1), p2), max(max(p0, p1), p2));
+    bool ahead = t > 0.0f && t <= kFarthestHit;
+    // no plant: for the max: the pad of a box exceeds the error of t in every case that is known; the order must not hang on that
+    hit.t = pick(meets && ahead, max(t, entry), 0.0f);
+    return hit;
+}
+
+// normal: geometric, outward. The point is a weighted mean:
+// three products and two sums a coordinate, weights within 3 u: 8 u of sum |w_i p_i|.
+SHARED_FN SurfacePoint pointOnTriangle(vec3 p0, vec3 p1, vec3 p2, vec3 normal, TriangleHit hit) {
+    SurfacePoint s;
+    s.normal = normal;
+    s.point = (p0 * hit.w0 + p1 * hit.w1) + p2 * hit.w2;
+    s.error = ((magnitudes(p0 * hit.w0) + magnitudes(p1 * hit.w1)) + magnitudes(p2 * hit.w2)) * (10.0f * 5.9604644775390625e-8f);
+    return s;
+}
+
+// The normal that light sees: interpolated, and the geometric one where the ray meets it from behind or its mirror image would run into
+// the surface. Both face the ray.
+SHARED_FN vec3 normalForLight(vec3 d, vec3 geometric, vec3 smooth_) {
+    float cosine = -dot3(d, smooth_);
+    vec3 mirror = d + smooth_ * (2.0f * cosine);
+    bool usable = cosine > 0.0f && dot3(mirror, geometric) > 0.0f;
+    return chosen(usable, smooth_, geometric);
+}
+
+SHARED_END
+#endif

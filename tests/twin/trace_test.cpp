@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/render/trace_frame.h"
+
+#include "pipeline/passes/encode.h"
+#include "tests/support/ray_scenes.h"
+#include "tests/twin/pass_frame.h"
+
+namespace plumb::test {
+namespace {
+
+struct Row {
+    const char* name;
+    Scene (*build)();
+    uint32_t width, height;
+};
+std::ostream& operator<<(std::ostream& out, const Row& r) { return out << r.name << ' ' << r.width << 'x' << r.height; }
+
+class TraceTwin : public OnDevice<::testing::TestWithParam<Row>> {};
+
+RenderRequest requestOf(const Scene& scene, uint32_t width, uint32_t height) {
+    RenderRequest r;
+    r.width = width;
+    r.height = height;
+    r.shading = Shading::ray;
+    r.background = *scene.background;
+    r.maxDepth = scene.maxDepth;
+    r.minWeight = float(scene.minWeight);
+    r.planes = kEveryPlane & ~uint32_t(kPlaneTriangle);
+    return r;
+}
+
+void expectSameCounts(const RenderCounters& twin, const RenderCounters& device) {
+    ASSERT_EQ(twin.rays.size(), device.rays.size());
+    for (size_t i = 0; i < twin.rays.size(); ++i) {
+        EXPECT_EQ(twin.rays[i].primary, device.rays[i].primary) << "depth " << i + 1;
+        EXPECT_EQ(twin.rays[i].reflected, device.rays[i].reflected) << "depth " << i + 1;
+        EXPECT_EQ(twin.rays[i].refracted, device.rays[i].refracted) << "depth " << i + 1;
+        EXPECT_EQ(twin.rays[i].feelers, device.rays[i].feelers) << "depth " << i + 1;
+    }
+    EXPECT_EQ(twin.undecidedRays, device.undecidedRays);
+}
+
+TEST_P(TraceTwin, LeavesTheSameBytesAndCounts) {
+    const Scene scene = GetParam().build();
+    const RenderRequest request = requestOf(scene, GetParam().width, GetParam().height);
+    const RenderResult twin = renderCpu(scene, request), onDevice = renderGpu(device(), scene, request);
+    expectSameFrame(twin.frame, onDevice.frame);
+    expectSameCounts(twin.counters, onDevice.counters);
+}
+
+TEST_P(TraceTwin, TheListGivesTheBytesOfThePath) {
+    const Scene scene = GetParam().build();
+    RenderRequest request = requestOf(scene, GetParam().width, GetParam().height);
+    const RenderResult path = renderGpu(device(), scene, request);
+    for (const uint32_t limit : {1u, 2u, 100u}) {
+        request.rayLimit = limit;
+        const RenderResult list = renderGpu(device(), scene, request);
+        SCOPED_TRACE(fmt::format("{} rays a dispatch", limit));
+        expectSameFrame(path.frame, list.frame);
+        expectSameCounts(path.counters, list.counters);
+    }
+}
+
+TEST_P(TraceTwin, SamplesBandsAndShallowDepthsToo) {
+    const Scene scene = GetParam().build();
+    RenderRequest request = requestOf(scene, GetParam().width, GetParam().height);
+    for (const uint32_t samples : {1u, 4u}) {
+        for (const uint32_t depth : {1u, 2u}) {
+            request.samples = samples;
+            request.maxDepth = depth;
+            request.bandRows = depth == 1 ? 5 : 0;
+            request.minWeight = depth == 2 ? 0.25f : 0.0f;
+            request.transparent = depth == 2;
+            SCOPED_TRACE(fmt::format("{} samples, depth {}", samples, depth));
+            const RenderResult twin = renderCpu(scene, request), onDevice = renderGpu(device(), scene, request);
+            expectSameFrame(twin.frame, onDevice.frame);
+            expectSameCounts(twin.counters, onDevice.counters);
+        }
+    }
+}
+
+// Both forms of division and root, and not a word past the end of what a dispatch owns.
+TEST_P(TraceTwin, BothFormsOfDivisionLeaveTheSameBytes) {
+    const Scene scene = GetParam().build();
+    const RenderRequest request = requestOf(scene, GetParam().width, GetParam().height);
+    const Prepared p = prepare(scene, request);
+    const TraceScene traced = traceSceneOf(scene, p);
+    TraceChoices choices = traceChoicesOf(scene, request, p, traced);
+    gpu::TracePush push = tracePushOf(p, request, traced);
+    const uint32_t samples = push.width * GetParam().height;
+    std::vector<uint32_t> distance(samples), object(samples), rgba(samples);
+    std::vector<float> linear(3 * samples), normal(3 * samples);
+    std::vector<uint64_t> counts(gpu::kCounters);
+    push.itemCount = samples;
+    push.rowWords = push.width;
+    push.planeWords = samples;
+    traceCpu(push, traced, choices, {distance, object, linear, normal}, counts, 1);
+    choices.planes = gpu::kTracePlaneDistance | gpu::kTracePlaneObject | gpu::kTracePlaneLinear | gpu::kTracePlaneNormal;
+    push.rayLimit = choices.list ? 2000 : push.maxDepth;
+    for (const Specialization& exact : exactForms(device())) {
+        TraceBuffers b;
+        const auto atLeastOne = [&](auto from) {
+            if (from.empty()) from.emplace_back();
+            return bufferOf(device(), from);
+        };
+        b.spheres = atLeastOne(traced.spheres);
+        b.planes = atLeastOne(traced.planes);
+        b.surfaces = atLeastOne(traced.surfaces);
+        b.materials = atLeastOne(traced.materials);
+        b.lights = atLeastOne(traced.lights);
+        b.corners = atLeastOne(traced.corners);
+        b.triangles = atLeastOne(traced.triangles);
+        b.nodes = atLeastOne(traced.nodes);
+        b.encodeTable = bufferOf(device(), srgbBucketTable());
+        const auto outputOf = [&](uint64_t words) {
+            Buffer<uint32_t> buffer(device(), words + kSentinels, "output");
+            buffer.fill(kSentinel);
+            return buffer;
+        };
+        b.colours = outputOf(samples);
+        b.planeWords = outputOf(8ull * samples);
+        b.counters = outputOf(gpu::kCounters);
+        for (uint32_t i = 0; i < gpu::kCounters; ++i) b.counters.span()[i] = 0;
+        b.waiting = outputOf(uint64_t(samples) * gpu::kWaitingWords * push.maxDepth);
+        b.states = outputOf(uint64_t(samples) * gpu::kStateWords);
+        Recorder recorder(device());
+        recordTrace(recorder, push, traced, choices, exact, b);
+        recorder.run(kWatchdogMs);
+        const std::span<const uint32_t> words = b.planeWords.span();
+        expectSame<uint32_t>("distance", distance, words.subspan(0, samples));
+        expectSame<uint32_t>("object", object, words.subspan(samples, samples));
+        for (uint32_t i = 0; i < 3; ++i) {
+            std::vector<float> wantLinear, gotLinear, wantNormal, gotNormal;
+            for (uint32_t k = 0; k < samples; ++k) {
+                wantLinear.push_back(linear[3 * k + i]);
+                gotLinear.push_back(gpu::realOf(int(words[(2 + i) * samples + k])));
+                wantNormal.push_back(normal[3 * k + i]);
+                gotNormal.push_back(gpu::realOf(int(words[(5 + i) * samples + k])));
+            }
+            expectSame<float>("linear", wantLinear, gotLinear);
+            expectSame<float>("normal", wantNormal, gotNormal);
+        }
+        for (uint32_t i = 0; i < gpu::kCountUnfinished; ++i) EXPECT_EQ(counts[i], b.counters.span()[i]) << "counter " << i;
+        EXPECT_EQ(b.counters.span()[gpu::kCountUnfinished], 0u);
+        expectSentinels("colours", b.colours, samples);
+        expectSentinels("planes", b.planeWords, 8ull * samples);
+        expectSentinels("counters", b.counters, gpu::kCounters);
+        expectSentinels("waiting", b.waiting, uint64_t(samples) * gpu::kWaitingWords * push.maxDepth);
+        expectSentinels("states", b.states, uint64_t(samples) * gpu::kStateWords);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rows, TraceTwin,
+                         ::testing::Values(Row{"mirrors", mirrors, 1, 1}, Row{"mirrors", mirrors, 19, 1}, Row{"mirrors", mirrors, 131, 67},
+                                           Row{"glass", glass, 1, 19}, Row{"glass", glass, 67, 35}, Row{"inGlass", inGlass, 67, 35},
+                                           Row{"farAway", farAway, 67, 35}, Row{"level", level, 17, 9}, Row{"meshesAmongMirrors", meshesAmongMirrors, 67, 35},
+                                           Row{"meshesAlone", meshesAlone, 131, 67}),
+                         [](const auto& info) { return fmt::format("{}_{}x{}", info.param.name, info.param.width, info.param.height); });
+
+using TraceCounts = DeviceTest;
+
+// Notes 18.1 and 18.4.1: one ray a level with mirrors alone, 2^depth - 1 with both children.
+TEST_F(TraceCounts, AHallOfMirrorsIsLinearInDepthAndBothChildrenAreExponential) {
+    for (const bool both : {false, true}) {
+        Scene s = rayScene();
+        // Panes on both sides of the eye; index 1 and straight looks: the refracted ray leaves through the other side of its pane.
+        const uint32_t m = addRayMaterial(s, glm::vec3(0.2f), both ? 0.4f : 0.9f, both ? 0.4f : 0.0f, 1.0f);
+        const int panes = both ? 40 : 1;
+        for (int i = 0; i < panes; ++i)
+            for (const double side : {-1.0, 1.0}) {
+                PlaneShape p;
+                p.point = {0, 0, side * (20 + i)};
+                p.normal = {0, 0, -side};
+                p.v = {0, side, 0};
+                p.material = m;
+                s.planes.push_back(p);
+            }
+        s.camera->eye = {0, 0, 0};
+        s.camera->fovYDegrees = 0.01;
+        for (uint32_t depth = 1; depth <= 8; ++depth) {
+            RenderRequest request = requestOf(s, 3, 2);
+            request.maxDepth = depth;
+            const RenderResult device = renderGpu(this->device(), s, request);
+            uint64_t rays = 0;
+            for (const auto& r : device.counters.rays) rays += r.primary + r.reflected + r.refracted;
+            EXPECT_EQ(rays, 6 * (both ? (uint64_t(1) << depth) - 1 : depth)) << "depth " << depth;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace plumb::test
