@@ -25,6 +25,12 @@ constexpr uint64_t kUsualNodes = 100;
 constexpr uint32_t kListedRaysPerDispatch = 32;
 constexpr uint64_t kWaitingBytes = uint64_t(64) << 20;
 
+void countParts(const TraceScene& traced, RenderCounters& c) {
+    c.triangles = c.drawnTriangles = traced.triangles.size() / 2;
+    c.vertices = traced.corners.size() / 2;
+    c.objectsDrawn = c.objects;
+}
+
 void addCounts(std::span<const uint64_t> words, uint32_t maxDepth, RenderCounters& c) {
     c.rays.resize(maxDepth);
     for (uint32_t depth = 0; depth < maxDepth; ++depth) {
@@ -155,6 +161,7 @@ void traceFrameCpu(const Prepared& p, const Scene& scene, const RenderRequest& r
         ++result.counters.bands;
     }
     addCounts(counters, push.maxDepth, result.counters);
+    countParts(traced, result.counters);
 }
 
 namespace {
@@ -216,6 +223,7 @@ public:
             ++result_.counters.bands;
         }
         addCounts(counters_, push_.maxDepth, result_.counters);
+        countParts(traced_, result_.counters);
         result_.times = recorder_.takeTimes();
     }
 
