@@ -212,7 +212,7 @@ void main() {
         Colour c = Colour(base.x, base.y, base.z);
         Surface surface = Surface(seen.x, seen.y, seen.z, -d.x, -d.y, -d.z, s.point.x, s.point.y, s.point.z);
         Reflectance k = Reflectance(diffuse.x, diffuse.y, diffuse.z, specular.x, specular.y, specular.z, base.w, diffuse.w);
-        ShadeParts parts = ShadeParts(true, kSpecular, kPointLights);
+        ShadeParts parts = ShadeParts(true, kSpecular, kPointLights, kPowerExact);
         vec3 q = leaveSurface(s.point, n, s.error);
         uint feelers = 0u;
         int light = 0;

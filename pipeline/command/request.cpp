@@ -55,6 +55,7 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     Setting setting{request, false};
     for (const auto& [axis, choice] : options.trade) apply(setting, axis, choice);
     request.trade = setting.request.trade;
+    if (request.shading == Shading::ray && request.trade != Trade{}) throw usageError("--trade is about the raster shadings; --shading ray has none of these choices");
     request.threads = options.threads;
     request.chunkTriangles = options.limitChunk;
     request.bandRows = options.limitBand;

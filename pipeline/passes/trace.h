@@ -33,7 +33,7 @@ struct TraceChoices {
     bool list = false;                         // keep waiting rays in a list; needed where a hit has two children
     bool shadows = true;
     bool count = true;
-    gpu::ShadeParts parts{true, true, true};
+    gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
 };
 
 // What the twin leaves: one value a sample (three floats for linear and normal), row by row; normal may be empty.

@@ -58,8 +58,8 @@ public:
         if (distanceBits == 0) return;
         const size_t at = size_t(y) * frame_.width + x;
         const double distance = double(gpu::realOf(int(distanceBits))) / p_.unit, side = p_.side, centre = double(p_.side / 2) + 0.5;
-        const glm::dvec3 ray = glm::dvec3(p_.list.rayOrigin) + glm::dvec3(p_.list.rayX) * (x * side + centre) +
-                               glm::dvec3(p_.list.rayY) * (y * side + centre);
+        const glm::dvec3 ray = glm::dvec3(p_.rayOrigin) + glm::dvec3(p_.rayX) * (x * side + centre) +
+                               glm::dvec3(p_.rayY) * (y * side + centre);
         const float depth = float(distance / std::sqrt(glm::dot(ray, ray)));
         if (planes_ & kPlaneDistance) frame_.distance[at] = float(distance);
         if (planes_ & kPlaneDepth) frame_.depth[at] = depth;
@@ -103,9 +103,9 @@ gpu::TracePush tracePushOf(const Prepared& p, const RenderRequest& request, cons
     push.rayLimit = push.maxDepth;
     push.first = 1;
     push.background = p.background;
-    push.rayOrigin = p.list.rayOrigin;
-    push.rayX = p.list.rayX;
-    push.rayY = p.list.rayY;
+    push.rayOrigin = p.rayOrigin;
+    push.rayX = p.rayX;
+    push.rayY = p.rayY;
     push.sky = p.backgroundLinear;
     return push;
 }
