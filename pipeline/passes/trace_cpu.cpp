@@ -214,9 +214,9 @@ void traceCpu(const gpu::TracePush& push, const TraceScene& scene, const TraceCh
         Tracer tracer(push, scene, choices);
         for (uint64_t item = begin; item < end; ++item) {
             const uint64_t at = push.firstItem + item;
+            const uint64_t column = at % push.width, row = at / push.width;
             TwinRay ray;
-            ray.direction = gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, float(at % push.width) + 0.5f,
-                                                  float(at / push.width) + 0.5f);
+            ray.direction = gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, float(column) + 0.5f, float(row) + 0.5f);
             glm::vec3 colour(0);
             const auto seen = tracer.follow(ray, colour);
             const bool hits = seen.hit.object != gpu::kNoObject;

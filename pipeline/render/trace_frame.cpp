@@ -57,7 +57,9 @@ public:
     void write(uint32_t x, uint32_t y, uint32_t distanceBits, uint32_t object, const float* normal) {
         if (distanceBits == 0) return;
         const size_t at = size_t(y) * frame_.width + x;
-        const double distance = double(gpu::realOf(int(distanceBits))) / p_.unit, side = p_.side, centre = double(p_.side / 2) + 0.5;
+        const double distance = double(gpu::realOf(int(distanceBits))) / p_.unit, side = p_.side;
+        const uint32_t middle = p_.side / 2;
+        const double centre = middle + 0.5;
         const glm::dvec3 ray = glm::dvec3(p_.rayOrigin) + glm::dvec3(p_.rayX) * (x * side + centre) +
                                glm::dvec3(p_.rayY) * (y * side + centre);
         const float depth = float(distance / std::sqrt(glm::dot(ray, ray)));

@@ -342,8 +342,8 @@ Cylinder cylinder() {
     return c;
 }
 const TriangleMesh& sceneCylinder() {
-    static const Scene scene = loadScene({PLUMB_SOURCE_DIR "/scenes/cylinder.toml"}, {});
-    return scene.meshes.at(0);
+    static const Scene kScene = loadScene({PLUMB_SOURCE_DIR "/scenes/cylinder.toml"}, {});
+    return kScene.meshes.at(0);
 }
 GOLDEN(s171_cylinder_vertices) {
     const Cylinder c = cylinder();
