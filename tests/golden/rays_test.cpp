@@ -382,8 +382,8 @@ struct ProductFrame {
     }
     double unit = 1;
     static const ProductFrame& get() {
-        static const ProductFrame one;
-        return one;
+        static const ProductFrame kOne;
+        return kOne;
     }
 };
 constexpr uint32_t kBoard = 2;  // spheres 0 and 1, then the plane

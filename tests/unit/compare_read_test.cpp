@@ -25,11 +25,14 @@
 
 // The largest piece of memory that was asked for, so that a header's word is seen when it is believed.
 static std::atomic<size_t> largestAllocation{0};
-__attribute__((noinline)) void* operator new(size_t size) {
+__attribute__((noinline)) void* operator new(size_t size, const std::nothrow_t&) noexcept {
     size_t seen = largestAllocation;
     while (size > seen && !largestAllocation.compare_exchange_weak(seen, size)) {
     }
-    if (void* p = std::malloc(size)) return p;
+    return std::malloc(size);
+}
+__attribute__((noinline)) void* operator new(size_t size) {
+    if (void* p = operator new(size, std::nothrow)) return p;
     throw std::bad_alloc();
 }
 __attribute__((noinline)) void operator delete(void* p) noexcept { std::free(p); }

@@ -60,6 +60,13 @@ TEST(HitSphere, OnItWithoutKnowingIsInside) {
     EXPECT_EQ(ask({0, 0, 12}, kZ, {0, 0, 10}, 2).t, 0.0f);
 }
 
+// A short chord from the sphere itself: h^2 = k^2 + (r^2 - f.f) has k's own precision, r^2 - l.l only that of r^2.
+TEST(HitSphere, ShortChordsKeepTheirPrecision) {
+    const float slope = 1e-4f;
+    const double chord = 2 * 2.0 * slope;  // 2 |f.d| for f = (2, 0, 0); d is of unit length to 1e-8
+    EXPECT_NEAR(ask({2, 0, 10}, vec3(-slope, 0, 1), {0, 0, 10}, 2).t, chord, 8 * kUlp * chord);
+}
+
 TEST(HitSphere, ItsOwnIsMetFromInsideAtTheFarSideOnly) {
     const vec3 nearly(0, 0, 8.000001f);
     EXPECT_EQ(ask(nearly, kZ, {0, 0, 10}, 2, kStartOutside).t, 0.0f);
@@ -305,6 +312,9 @@ TEST(HitTriangle, IsMetFromBothSidesInsideAndOnItsEdges) {
     EXPECT_EQ(hitTriangle(f, p0 + behind, p1 + behind, p2 + behind, false).t, 0.0f);
     const vec3 along(0, 4, 0);
     EXPECT_EQ(hitTriangle(f, p0, p0 + along, p0 + 2.0f * along, false).t, 0.0f);  // no area
+    const TriangleHit edgeOn = hitTriangle(f, {0, -1, 10}, {0, 1, 10}, {0, 3, 10}, false);  // no area, and the ray goes through it
+    EXPECT_EQ(edgeOn.t, 0.0f);
+    EXPECT_EQ(edgeOn.w0, 0.0f);
     const float far = 1.5f * kFarthestHit;
     EXPECT_EQ(hitTriangle(f, {-far, -far, far}, {3 * far, -far, far}, {-far, 3 * far, far}, false).t, 0.0f);
 }
@@ -328,6 +338,7 @@ TEST(NormalForLight, IsTheSmoothOneWhereLightCanComeFrom) {
     EXPECT_EQ(normalForLight(down, up, tilted), tilted);
     EXPECT_EQ(normalForLight(unitLength({1, -0.2f, 0}), up, unitLength({0.5f, 1, 0})), up);   // seen from behind
     EXPECT_EQ(normalForLight(unitLength({-0.2f, -1, 0}), up, unitLength({3, 1, 0})), up);  // its image would run below
+    EXPECT_EQ(normalForLight(down, up, unitLength({0.3f, -1, 0})), up);  // from behind, though the image runs above
 }
 
 TEST(PassesTriangle, OpaqueBlocksTranslucentDimsOnTheWayOut) {
