@@ -22,11 +22,11 @@ using Sgemm = void (*)(int order, int transA, int transB, int m, int n, int k, f
                        float beta, float* c, int ldc);
 
 Sgemm openBlas() {
-    static const Sgemm found = [] {
+    static const Sgemm kFound = [] {
         void* library = ::dlopen("libopenblas.so.0", RTLD_NOW | RTLD_LOCAL);
         return library ? reinterpret_cast<Sgemm>(::dlsym(library, "cblas_sgemm")) : nullptr;
     }();
-    return found;
+    return kFound;
 }
 
 }  // namespace

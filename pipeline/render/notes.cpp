@@ -332,7 +332,8 @@ private:
 
     // Direction to the pixel, forward component 1. The notes' pixel (x, y) is the point (x, y) of the screen, not the middle of a cell.
     dvec3 pixelRay(size_t i) const {
-        const double x = double(i % p_.width) - double(p_.width) / 2, y = double(i / p_.width) - double(p_.height) / 2;
+        const size_t column = i % p_.width, row = i / p_.width;
+        const double x = double(column) - double(p_.width) / 2, y = double(row) - double(p_.height) / 2;
         return forward_ + right_ * (x / focal_) + down_ * (y / focal_);
     }
 

@@ -362,7 +362,7 @@ TEST_F(CompareRead, TakesNoMemoryForWhatAHeaderSays) {
     };
     const auto modest = [&](const fs::path& path) {
         largestAllocation = 0;
-        const std::string why = refusal(path);
+        std::string why = refusal(path);
         EXPECT_NE(why, "");
         EXPECT_LT(largestAllocation.load(), kPlenty) << why;
         return why;
