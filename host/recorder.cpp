@@ -132,6 +132,9 @@ struct RecorderImpl {
     uint32_t slots = 0;
     bool recording = false;
     double apartMs = 0;  // watchdog of commands that run one by one; 0: they do not
+    uint32_t everyCommands = 0;  // 0: as many as there are
+    double everyMs = 0;
+    std::function<void()> between;
     std::vector<PassTime> times;
 
     explicit RecorderImpl(DeviceImpl& d);
@@ -378,7 +381,7 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     device.vk.vkCmdDispatch(r.commands, uint32_t(columns), uint32_t(rows), 1);
     r.endCommand({label, true, r.slots, uint32_t(columns * rows)});
     ++r.slots;
-    if (r.apartMs > 0) run(r.apartMs);
+    runWhenDue();
 }
 
 void Recorder::fill(const char* label, const RawBuffer& buffer, uint32_t word, uint64_t offset, uint64_t bytes) {
@@ -395,7 +398,7 @@ void Recorder::fill(const char* label, const RawBuffer& buffer, uint32_t word, u
     r.beginCommand();
     r.device.vk.vkCmdFillBuffer(r.commands, buffer.impl().block->buffer, offset, range, word);
     r.endCommand({label, false, 0, 0});
-    if (r.apartMs > 0) run(r.apartMs);
+    runWhenDue();
 }
 
 void RecorderImpl::submitAndWait(double watchdogMs) {
@@ -431,6 +434,20 @@ void Recorder::run(double watchdogMs) {
         throw;
     }
     r.empty();
+}
+
+void Recorder::runWhenDue() {
+    RecorderImpl& r = *impl_;
+    if (r.apartMs > 0) return run(r.apartMs);
+    if (r.everyCommands == 0 || r.recorded.size() < r.everyCommands) return;
+    run(r.everyMs);
+    if (r.between) r.between();
+}
+
+void Recorder::runEvery(uint32_t commands, double watchdogMs, std::function<void()> between) {
+    impl_->everyCommands = commands;
+    impl_->everyMs = watchdogMs;
+    impl_->between = std::move(between);
 }
 
 void Recorder::timeApart(double watchdogMs) { impl_->apartMs = watchdogMs; }

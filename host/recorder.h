@@ -68,6 +68,10 @@ public:
     // is empty again. Throws Error(failed): "fill: 12 of 240 workgroups did not finish", "... loop budget", lost, timeout.
     void run(double watchdogMs = 60000);
 
+    // From now on what was recorded is run by itself whenever it has `commands` commands, and `between` called then: for pictures of many
+    // dispatches, so that the watchdog waits for some seconds of work and an interrupt is heard.
+    void runEvery(uint32_t commands, double watchdogMs, std::function<void()> between);
+
     // From now on every command is submitted and waited for by itself, and its time is the host's: for looking at passes, not for speed.
     // Time stamps within one submission of lavapipe do not wait for the work between them once the device is warm.
     void timeApart(double watchdogMs);
@@ -78,6 +82,7 @@ public:
 private:
     void record(const char* label, const Module& module, uint64_t items, void* push, size_t pushBytes,
                 std::span<const Bound> bindings, const Specialization& constants);
+    void runWhenDue();
     std::unique_ptr<RecorderImpl> impl_;
 };
 

@@ -51,6 +51,7 @@ layout(binding = 11, scalar) buffer Planes { uvec4 planes[]; };
 const uint kSlotTriangle = (kPlanes & kFillPlaneZ) != 0u ? 1u : 0u;
 const uint kSlotLinear = kSlotTriangle + ((kPlanes & kFillPlaneTriangle) != 0u ? 1u : 0u);
 const uint kSlotNormal = kSlotLinear + ((kPlanes & kFillPlaneLinear) != 0u ? 3u : 0u);
+const uint kSlotSum = kSlotNormal + ((kPlanes & kFillPlaneNormal) != 0u ? 3u : 0u);
 
 void edgesAt(ivec2 centre, ivec2 p0, ivec2 p1, ivec2 p2, out Edges e) {
     if (kWide) wideEdges(p0 - centre, p1 - centre, p2 - centre, e);
@@ -289,6 +290,7 @@ void main() {
 
     ShadeParts parts = ShadeParts(kDiffuse, kSpecular, kPointLights, kPower);
     int lightCount = kOneLight ? 1 : int(push.lightCount);
+    int firstLight = int(push.firstLight);
     [[unroll]] for (int r = 0; r < 4; ++r) {
         Real x = vec4(float(pixel.x) + 0.5) + vec4(0.0, 1.0, 2.0, 3.0);
         float y = float(pixel.y + r) + 0.5;
@@ -324,6 +326,12 @@ void main() {
                 c = Colour(d[0], d[1], d[2]);
             } else {
                 c = Colour(a[0], a[1], a[2]);
+                if ((kPlanes & kFillPlaneSum) != 0u && push.firstLight != 0u) {
+                    uint sum = at + uint(r) * push.rowQuads + kSlotSum * push.planeQuads;
+                    c.r = uintBitsToFloat(planes[sum]);
+                    c.g = uintBitsToFloat(planes[sum + push.planeQuads]);
+                    c.b = uintBitsToFloat(planes[sum + 2u * push.planeQuads]);
+                }
                 Surface surface;
                 Real rx = rayAt(push.rayOrigin.x, push.rayX.x, push.rayY.x, x, y);
                 Real ry = rayAt(push.rayOrigin.y, push.rayX.y, push.rayY.y, x, y);
@@ -353,8 +361,8 @@ void main() {
                 } else {
                     do {
                         if (light < lightCount)
-                            addLight(texelFetch(lights, light * kLightTexels), texelFetch(lights, light * kLightTexels + 1),
-                                     surface, k, parts, c);
+                            addLight(texelFetch(lights, (firstLight + light) * kLightTexels),
+                                     texelFetch(lights, (firstLight + light) * kLightTexels + 1), surface, k, parts, c);
                         light++;
                     } while (light < lightCount);
                 }
@@ -381,6 +389,14 @@ void main() {
                 vec4 value = i == 0u ? c.r : i == 1u ? c.g : c.b;
                 if (mine) planes[slot] = floatBitsToUint(mix(behind, value, drawn));
                 slot += push.planeQuads;
+            }
+        }
+        if ((kWrite & kFillPlaneSum) != 0u) {
+            uint slot = rowAt + kSlotSum * push.planeQuads;
+            if (mine) {
+                planes[slot] = floatBitsToUint(c.r);
+                planes[slot + push.planeQuads] = floatBitsToUint(c.g);
+                planes[slot + 2u * push.planeQuads] = floatBitsToUint(c.b);
             }
         }
         if ((kWrite & kFillPlaneNormal) != 0u) {

@@ -19,7 +19,7 @@ layout(binding = 3) uniform usamplerBuffer pointMaterials;
 layout(binding = 4, scalar) readonly buffer Objects { ObjectRecord objects[]; };
 layout(binding = 5) uniform samplerBuffer materials;
 layout(binding = 6) uniform samplerBuffer lights;
-layout(binding = 7, scalar) writeonly buffer Colours { vec4 colours[]; };
+layout(binding = 7, scalar) buffer Colours { vec4 colours[]; };
 
 void main() {
     uint item = itemIndex() * 4u;
@@ -42,11 +42,18 @@ void main() {
     Surface surface = surfaceOfPoint(o, p[0], p[1], p[2], n[0], n[1], n[2]);
     Reflectance k = Reflectance(d[0], d[1], d[2], s[0], s[1], s[2], a[3], d[3]);
     Colour c = Colour(a[0], a[1], a[2]);
+    if (push.firstLight != 0u) {
+        mat4 before;
+        for (int i = 0; i < 4; ++i) before[i] = colours[at[i]];
+        before = transpose(before);
+        c = Colour(before[0], before[1], before[2]);
+    }
     int light = 0;
     int lightCount = int(push.lightCount);
     if (lightCount > 0) {
         do {
-            addLight(texelFetch(lights, light * kLightTexels), texelFetch(lights, light * kLightTexels + 1), surface, k,
+            int from = (int(push.firstLight) + light) * kLightTexels;
+            addLight(texelFetch(lights, from), texelFetch(lights, from + 1), surface, k,
                      ShadeParts(kDiffuse, kSpecular, kPointLights, kPower), c);
             light++;
         } while (light < lightCount);

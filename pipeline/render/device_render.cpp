@@ -29,6 +29,14 @@ uint32_t fillPlanes(const Prepared& p, const RenderRequest& request) {
 
 }  // namespace
 
+// An interrupt is heard and the watchdog wound up again after some seconds at most, however many lights or layers there are.
+void DeviceRender::listen() {
+    constexpr uint32_t kCommands = 64;
+    frame_.recorder().runEvery(kCommands, request_.watchdogMs, [this] {
+        if (request_.onProgress && !request_.onProgress(done_)) throw Error(Exit::interrupted, "interrupted");
+    });
+}
+
 bool DeviceRender::drawInPlace() {
     const DrawList& list = p_.list;
     const uint64_t chunk = std::min<uint64_t>(frame_.chunkTriangles(), request_.chunkTriangles ? request_.chunkTriangles : ~uint64_t(0));
@@ -98,8 +106,8 @@ void DeviceRender::drawBands(PlaneWriter& writer, uint32_t planes, uint32_t chun
         band.rows = int(std::min(bandRows, height - firstRow));
         frame_.beginBand(band, planes);
         for (uint32_t c = 0; c < chunks; ++c) {
-            const double done = (double(firstRow) + double(band.rows) * c / chunks) / height;
-            if (request_.onProgress && !request_.onProgress(done)) throw Error(Exit::interrupted, "interrupted");
+            done_ = (double(firstRow) + double(band.rows) * c / chunks) / height;
+            if (request_.onProgress && !request_.onProgress(done_)) throw Error(Exit::interrupted, "interrupted");
             if (chunks > 1) part = chunkOf(list, c * chunkSize, std::min<uint32_t>(chunkSize, uint32_t(list.triangles.size()) - c * chunkSize));
             if (chunks > 1 || firstRow == 0) frame_.upload(chunks > 1 ? part : list);
             if (normalsApart(planes)) drawNormals(planes, c > 0);

@@ -13,7 +13,10 @@ public:
         : device_(device), request_(request), p_(prepare(scene, request)), frame_(device, p_, request.watchdogMs) {
         result_.plan = p_.plan;
         result_.counters = p_.counters;
+        listen();
     }
+    DeviceRender(const DeviceRender&) = delete;   // the recorder calls back
+    DeviceRender& operator=(const DeviceRender&) = delete;
 
     // Nothing but colour, in one band and one chunk that stay on the device; false when this picture needs more than that.
     bool drawInPlace();
@@ -24,6 +27,7 @@ public:
     RenderResult draw();
 
 private:
+    void listen();
     void drawBands(PlaneWriter& writer, uint32_t planes, uint32_t chunkSize);
 
     bool normalsApart(uint32_t planes) const;
@@ -41,6 +45,7 @@ private:
     GpuFrame frame_;
     RenderResult result_;
     bool uploaded_ = false;
+    double done_ = 0;                     // share of the picture, for onProgress
 };
 
 }  // namespace plumb

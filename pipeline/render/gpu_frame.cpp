@@ -25,7 +25,7 @@ void put(Device& device, Buffer<T>& buffer, std::span<const T> from, const char*
 
 uint32_t planeCount(uint32_t planes) {
     return (planes & gpu::kFillPlaneZ ? 1 : 0) + (planes & gpu::kFillPlaneTriangle ? 1 : 0) + (planes & gpu::kFillPlaneLinear ? 3 : 0) +
-           (planes & gpu::kFillPlaneNormal ? 3 : 0);
+           (planes & gpu::kFillPlaneNormal ? 3 : 0) + (planes & gpu::kFillPlaneSum ? 3 : 0);
 }
 
 }  // namespace
@@ -46,7 +46,13 @@ uint64_t GpuFrame::chunkTriangles() const {
     return std::max<uint64_t>(1, std::min(byRange, byBudget));
 }
 
+uint32_t GpuFrame::withSum(uint32_t planes) const {
+    const bool windows = prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > gpu::kLightsPerWindow;
+    return planes | (windows ? gpu::kFillPlaneSum : 0u);
+}
+
 uint32_t GpuFrame::bandRows(uint32_t planes) const {
+    planes = withSum(planes);
     const DeviceLimits& l = device_.limits();
     const uint64_t pitch = (uint64_t(prepared_.list.frame.width) + 15) / 16 * 16;
     // reserve() takes a quarter more and 16 elements of four words.
@@ -100,10 +106,10 @@ void GpuFrame::transformAndCull(bool normals) {
                         writeNormals, exact_, positions_, normals_, objects_, screen_, carried_);
         const uint32_t lightCount = uint32_t(chunk_->lights.size());
         if (gouraud)
-            recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, lightCount}, choices.parts, exact_, positions_,
+            recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount}, choices.parts, exact_, positions_,
                              normals_, vertexMaterial_, objects_, materials_, lights_, carried_);
         if (choices.shading == gpu::kShadingFlat && !normals && r.faceCount)
-            recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, lightCount}, choices.parts, exact_, facePositions_,
+            recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, 0, lightCount}, choices.parts, exact_, facePositions_,
                              faceNormals_, faceMaterial_, objects_, materials_, lights_, faceColours_);
     }
     recordCull(recorder_, {0, uint32_t(chunk_->triangles.size()), chunk_->cullBackFaces, chunk_->frame}, exact_, triangles_, screen_,
@@ -148,7 +154,7 @@ void GpuFrame::setup() {
 
 void GpuFrame::beginBand(const gpu::FrameBox& band, uint32_t planes) {
     band_ = band;
-    planes_ = planes;
+    planes_ = planes = withSum(planes);
     tilesX_ = uint32_t(band.width + gpu::kTileWidth - 1) / gpu::kTileWidth;
     tilesY_ = uint32_t(band.rows + gpu::kTileHeight - 1) / gpu::kTileHeight;
     rowQuads_ = tilesX_ * gpu::kTileWidth / 4;
@@ -206,16 +212,16 @@ void GpuFrame::fill(FillChoices choices) {
     choices.wide = wide_;
     choices.subgroupSize = device_.limits().subgroupShuffle ? device_.limits().subgroupSize : 0;
     choices.planes = planes_;
+    const bool lit = choices.shading == gpu::kShadingPhong && (choices.parts.diffuse || choices.parts.specular);
+    const uint32_t lightCount = lit ? uint32_t(chunk_->lights.size()) : 0;
     // A list too long for one invocation is drawn in slices over the planes, as chunks are.
-    const uint32_t listLimit = chunk_->lights.size() > gpu::kManyLights ? gpu::kTileListLimitManyLights : gpu::kTileListLimit;
     uint32_t slices = 1;
-    for (const glm::uvec4& tile : tileRecords_) slices = std::max(slices, (tile.z + listLimit - 1) / listLimit);
+    for (const glm::uvec4& tile : tileRecords_) slices = std::max(slices, (tile.z + gpu::kTileListLimit - 1) / gpu::kTileListLimit);
     if (slices > 1 && !(choices.write & gpu::kFillPlaneZ)) throw TooLarge{"a tile's list needs slices"};
     gpu::FillPush push{};
     push.firstRow = uint32_t(band_.firstRow);
     push.rowQuads = rowQuads_;
     push.planeQuads = planeQuads_;
-    push.lightCount = uint32_t(chunk_->lights.size());
     push.background = prepared_.background & 0xffffffu;  // alpha 0: nothing drawn; the host makes it opaque
     push.firstTriangle = chunk_->firstTriangle;
     push.near = chunk_->viewport.near;
@@ -228,28 +234,42 @@ void GpuFrame::fill(FillChoices choices) {
     for (uint32_t slice = 0; slice < slices; ++slice) {
         std::vector<glm::uvec4> tiles;
         for (glm::uvec4 tile : tileRecords_) {
-            const uint32_t skip = slice * listLimit;
+            const uint32_t skip = slice * gpu::kTileListLimit;
             if (tile.z <= skip) continue;
             tile.y += skip;
-            tile.z = std::min(tile.z - skip, listLimit);
+            tile.z = std::min(tile.z - skip, gpu::kTileListLimit);
             tiles.push_back(tile);
         }
         put<glm::uvec4>(device_, tileBuffer_, tiles, "tile records");
-        // Tile offsets of a dispatch must meet minTexelBufferOffsetAlignment: 16 records are 256 bytes.
-        uint32_t first = 0;
-        uint64_t work = 0;
-        const uint64_t perTile = kWorkPerTile * (1 + chunk_->lights.size());
-        for (uint32_t t = 0; t < tiles.size(); ++t) {
-            work += tiles[t].z + perTile;
-            const bool last = t + 1 == tiles.size();
-            if (!last && (work < kWorkPerDispatch || (t + 1) % 16)) continue;
-            push.tileCount = t + 1 - first;
-            recordFill(recorder_, push, choices, exact_, buffers, first);
-            first = t + 1;
-            work = 0;
-        }
+        // All windows but the last leave the sum only: z still is what the last one, too, shall find there.
+        push.firstLight = 0;
+        do {
+            push.lightCount = std::min(lightCount - push.firstLight, gpu::kLightsPerWindow);
+            FillChoices window = choices;
+            if (push.firstLight + push.lightCount < lightCount) {
+                window.write = gpu::kFillPlaneSum;
+                window.colour = false;
+            }
+            recordTiles(tiles, push, window, buffers);
+            push.firstLight += push.lightCount;
+        } while (push.firstLight < lightCount);
         recorder_.run(watchdogMs_);
         choices.prior = true;
+    }
+}
+
+void GpuFrame::recordTiles(std::span<const glm::uvec4> tiles, gpu::FillPush push, const FillChoices& choices, const FillBuffers& buffers) {
+    const uint64_t perTile = kWorkPerTile * (1 + push.lightCount);
+    uint32_t first = 0;
+    uint64_t work = 0;
+    for (uint32_t t = 0; t < tiles.size(); ++t) {
+        work += tiles[t].z + perTile;
+        // Tile offsets of a dispatch must meet minTexelBufferOffsetAlignment: 16 records are 256 bytes.
+        if (t + 1 < tiles.size() && (work < kWorkPerDispatch || (t + 1) % 16)) continue;
+        push.tileCount = t + 1 - first;
+        recordFill(recorder_, push, choices, exact_, buffers, first);
+        first = t + 1;
+        work = 0;
     }
 }
 

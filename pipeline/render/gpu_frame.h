@@ -63,6 +63,8 @@ public:
     gpu::BinPush binPush() const;
 
 private:
+    void recordTiles(std::span<const glm::uvec4> tiles, gpu::FillPush push, const FillChoices& choices, const FillBuffers& buffers);
+    uint32_t withSum(uint32_t planes) const;  // and the sum of the lights, where they come in windows
     void checkFits(const char* what, uint64_t count, uint64_t elementBytes) const;
 
     Device& device_;

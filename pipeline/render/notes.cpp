@@ -395,7 +395,7 @@ public:
     std::vector<glm::vec4> illuminate(const Points& points, uint32_t record) override {
         const Stopwatch watch(&result_.times, "illuminate");
         std::vector<glm::vec4> colours(points.positions.size());
-        const gpu::IlluminatePush push{0, 0, uint32_t(colours.size()), std::min(record, uint32_t(objects_.size() - 1)),
+        const gpu::IlluminatePush push{0, 0, uint32_t(colours.size()), std::min(record, uint32_t(objects_.size() - 1)), 0,
                                        uint32_t(p_.list.lights.size())};
         illuminateCpu(push, p_.choices.parts, points.positions, points.normals, points.materials, objects_,
                       p_.list.materials, p_.list.lights, colours, threads_);
@@ -445,7 +445,7 @@ public:
             const auto materials =
                 uploaded<uint32_t>(device_, std::span(points.materials).subspan(first, count), "point materials");
             Buffer<glm::vec4> colours(device_, count, "point colours");
-            const gpu::IlluminatePush push{0, 0, uint32_t(count), std::min(record, uint32_t(p_.list.objects.size())),
+            const gpu::IlluminatePush push{0, 0, uint32_t(count), std::min(record, uint32_t(p_.list.objects.size())), 0,
                                            uint32_t(p_.list.lights.size())};
             recordIlluminate(recorder_, push, p_.choices.parts, exact_, positions, normals, materials, objects_,
                              materials_, lights_, colours);

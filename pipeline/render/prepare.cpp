@@ -213,8 +213,6 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
                                          "intensity or the near plane");
         p.list.lights.push_back(l);
     }
-    if (p.list.lights.size() > gpu::kLightLimit)
-        throw inputError(scene.path, fmt::format("{} lights; a picture takes at most {}", p.list.lights.size(), gpu::kLightLimit));
     bool diffuse = false, specular = false, point = false;
     for (const gpu::MaterialRecord& m : p.list.materials) {
         diffuse |= !isZero(m.diffuse);

@@ -26,7 +26,7 @@ TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool
         const Stopwatch watch(times, "illuminate");
         if (!gouraud) g.faceColours.resize(list.facePositions.size());
         for (const DrawList::Range& r : list.ranges) {
-            const gpu::IlluminatePush push{0, gouraud ? r.firstVertex : r.firstFace, gouraud ? r.vertexCount : r.faceCount, r.record,
+            const gpu::IlluminatePush push{0, gouraud ? r.firstVertex : r.firstFace, gouraud ? r.vertexCount : r.faceCount, r.record, 0,
                                            uint32_t(list.lights.size())};
             if (gouraud)
                 illuminateCpu(push, choices.parts, list.positions, list.normals, list.vertexMaterial, list.objects, list.materials,

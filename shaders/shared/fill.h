@@ -63,13 +63,12 @@ SHARED_CONST uint kFillPlaneZ = 1u;         // bits of z; 0 where nothing is dra
 SHARED_CONST uint kFillPlaneTriangle = 2u;  // triangle of the scene, kNoTriangle where nothing is drawn
 SHARED_CONST uint kFillPlaneLinear = 4u;    // three planes
 SHARED_CONST uint kFillPlaneNormal = 8u;    // three planes: world, unit
+SHARED_CONST uint kFillPlaneSum = 16u;      // three planes: light added up so far, between the windows of kLightsPerWindow
 
 // One invocation may loop 65,535 times in all (lavapipe): a list entry costs at most 9/8 rounds, a light four (one a row of the block).
-// Longer lists are drawn in slices; with many lights the slices are shorter.
+// Longer lists are drawn in slices, more lights in windows: each window finds the same triangles again and goes on with the sum of the one before,
+// light by light in the same order, so the bytes are those of one window.
 SHARED_CONST uint kTileListLimit = 40000u;
-SHARED_CONST uint kTileListLimitManyLights = 8000u;
-SHARED_CONST uint kManyLights = 4900u;
-SHARED_CONST uint kLightLimit = 13900u;
 
 struct FillPush {
     uint statusSlot;
@@ -77,7 +76,7 @@ struct FillPush {
     uint firstRow;                      // of the band
     uint rowQuads;                      // row pitch of the band's buffers in units of 4 pixels
     uint planeQuads;                    // plane pitch
-    uint lightCount;
+    uint firstLight, lightCount;        // the window
     uint background;                    // encoded
     uint firstTriangle;                 // of the chunk in the scene
     uint flatColours;                   // texel of the first face colour of the chunk

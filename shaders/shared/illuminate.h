@@ -10,7 +10,7 @@ struct IlluminatePush {
     uint statusSlot;
     uint firstPoint, pointCount;        // points of one object
     uint object;
-    uint lightCount;
+    uint firstLight, lightCount;        // a window: the colours go on from those before it, unless it begins at 0
 };
 
 SHARED_FN Real rowTimesPoint4(vec4 row, Real x, Real y, Real z) { return ((x * row.x + y * row.y) + z * row.z) + row.w; }

@@ -104,6 +104,9 @@ SHARED_FN Real schlickPower(Real delta, Real n, Real zeroPower) {
     return pick(gt(real(1.0f), delta), quotient, zeroPower);
 }
 
+// Lights that one dispatch adds up (loop iterations of an invocation are limited, and 100 ms shall do); more are added window by window.
+SHARED_CONST uint kLightsPerWindow = 1280u;
+
 struct Surface {
     Real nx, ny, nz;                    // unit normal, world axes
     Real vx, vy, vz;                    // unit vector toward the eye

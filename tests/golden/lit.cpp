@@ -23,7 +23,7 @@ std::vector<glm::vec4> lit(const std::vector<LitPoint>& points, const std::vecto
     bool point = false;
     for (const gpu::LightRecord& l : lights) point |= l.kind != 0;
     const gpu::ShadeParts parts{true, true, point};
-    const gpu::IlluminatePush push{0, 0, uint32_t(points.size()), 0, uint32_t(lights.size())};
+    const gpu::IlluminatePush push{0, 0, uint32_t(points.size()), 0, 0, uint32_t(lights.size())};
     std::vector<glm::vec4> want(points.size());
     illuminateCpu(push, parts, positions, normals, material, objects, materials, lights, want, 1);
     if (!DeviceEnvironment::device()) {

@@ -95,6 +95,44 @@ TEST_F(FillVariant, EveryNumberOfLightsAndMaterials) {
             }
 }
 
+// More lights than one dispatch adds up: windows, also where tiles' lists come in slices, chunks or bands, give the sum of one loop.
+TEST_F(FillVariant, LightsComeInWindows) {
+    const SceneCase row{"soupLarge", soupLarge, 67, 35};
+    for (size_t lights : {size_t(gpu::kLightsPerWindow), size_t(gpu::kLightsPerWindow) + 1, size_t(gpu::kLightsPerWindow) * 2 + 40}) {
+        SCOPED_TRACE(fmt::format("{} lights", lights));
+        Scene scene = row.scene();
+        const std::vector<Light> kinds = scene.lights;
+        scene.lights.clear();
+        for (size_t i = 0; i < lights; ++i) {
+            scene.lights.push_back(kinds[i % kinds.size()]);
+            scene.lights.back().intensity *= float(1 + i % 7) / float(lights);
+        }
+        compareFill(device(), row, scene, Shading::phong, Encoding::srgb, 16);
+    }
+}
+TEST_F(FillVariant, TwentyThousandLightsAreNoLimit) {
+    const SceneCase row{"soupLarge", soupLarge, 23, 17};
+    Scene scene = row.scene();
+    const std::vector<Light> kinds = scene.lights;
+    scene.lights.clear();
+    for (size_t i = 0; i < 20000; ++i) {
+        scene.lights.push_back(kinds[i % kinds.size()]);
+        scene.lights.back().intensity *= float(1 + i % 7) / 20000;
+    }
+    for (Shading shading : {Shading::flat, Shading::gouraud, Shading::phong}) {
+        SCOPED_TRACE(fmt::format("shading {}", int(shading)));
+        RenderRequest request = requestOf(row, shading);
+        request.planes = kEveryPlane;
+        const Frame want = renderCpu(scene, request).frame;
+        request.chunkTriangles = uint32_t(std::max<size_t>(1, scene.meshes[0].triangles.size() / 3));
+        const Frame got = renderGpu(device(), scene, request).frame;
+        EXPECT_EQ(want.rgba, got.rgba);
+        EXPECT_EQ(want.linear, got.linear);
+        EXPECT_EQ(want.normal, got.normal);
+        EXPECT_EQ(want.triangle, got.triangle);
+    }
+}
+
 // Equal depths: the lower triangle wins, whatever the order in which a tile's list holds them.
 TEST_F(FillVariant, GivesTiesToTheLowerTriangle) {
     const SceneCase row{"equalDepths", equalDepths, 131, 67};

@@ -60,7 +60,7 @@ TEST_P(IlluminateTwin, LeavesTheSameBytes) {
             l.place = {gpu::rowTimesPoint(o.world0, p), gpu::rowTimesPoint(o.world1, p), gpu::rowTimesPoint(o.world2, p)};
         }
     const gpu::ShadeParts parts{row.diffuse, row.specular, row.point, row.power};
-    const gpu::IlluminatePush push{0, row.first, row.count, 1, uint32_t(lights.size())};
+    const gpu::IlluminatePush push{0, row.first, row.count, 1, 0, uint32_t(lights.size())};
     std::vector<glm::vec4> want(total);
     illuminateCpu(push, parts, positions, normals, material, objects, materials, lights, want, 1);
     for (const Specialization& exact : exactForms(device())) {
@@ -95,7 +95,9 @@ INSTANTIATE_TEST_SUITE_P(Rows, IlluminateTwin,
                                            Row{"schlick", 0, 257, 9, true, true, true, gpu::kPowerSchlick},
                                            Row{"neither", 0, 257, 9, false, false, true},
                                            Row{"directional_only", 0, 257, 1, true, true, false},
-                                           Row{"forty_lights", 0, 131, 40, true, true, true}),
+                                           Row{"forty_lights", 0, 131, 40, true, true, true},
+                                           Row{"two_windows", 3, 131, gpu::kLightsPerWindow + 1, true, true, true},
+                                           Row{"many_dispatches", 5, 4099, 2 * gpu::kLightsPerWindow, true, true, true}),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
