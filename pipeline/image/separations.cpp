@@ -6,9 +6,9 @@
 namespace plumb {
 
 const std::vector<std::string_view>& namesOf(Inks inks) {
-    static const std::vector<std::string_view> three = {"cyan", "magenta", "yellow"},
-                                               four = {"cyan", "magenta", "yellow", "black"};
-    return inks == Inks::cmy ? three : four;
+    static const std::vector<std::string_view> kThree = {"cyan", "magenta", "yellow"},
+                                               kFour = {"cyan", "magenta", "yellow", "black"};
+    return inks == Inks::cmy ? kThree : kFour;
 }
 
 Frame separationOf(const Frame& frame, Inks inks, size_t ink) {

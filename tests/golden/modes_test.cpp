@@ -282,24 +282,24 @@ double largestDifference(const Frame& a, const Frame& b) {
     return double(most);
 }
 TEST(Modes, ADistantViewerIsTheLimitOfOneFarAway) {
-    for (const Fill fill : {Fill::exact, Fill::notes})
-        for (const Shading shading : {Shading::flat, Shading::gouraud, Shading::phong}) {
-            double before = INFINITY;
-            for (const double d : {500.0, 5000.0, 50000.0}) {
-                Scene scene =
-                    sceneOf(replaced(textOf("cylinder.toml"), "distance = 500", fmt::format("distance = {}", d)));
-                scene.cullBackFaces = fill == Fill::exact;  // the notes' culling has a test of its own
-                RenderRequest r = requestOf(shading, fill);
-                const Frame local = drawn(scene, r).frame;
-                r.distantViewer = true;
-                const Frame distant = drawn(scene, r).frame;
-                expectSamePlane("what is seen", 400, 1, local.primitive, distant.primitive);
-                const double difference = largestDifference(local, distant);
-                EXPECT_GT(difference, 0) << "the choice changes something";
-                EXPECT_LT(difference, before / 5) << "ten times as far away: about a tenth";
-                before = difference;
-            }
+    for (const auto& [fill, shading] :
+         {std::pair(Fill::exact, Shading::flat), std::pair(Fill::exact, Shading::gouraud),
+          std::pair(Fill::exact, Shading::phong), std::pair(Fill::notes, Shading::phong)}) {
+        double before = INFINITY;
+        for (const double d : {500.0, 5000.0}) {
+            Scene scene = sceneOf(replaced(textOf("cylinder.toml"), "distance = 500", fmt::format("distance = {}", d)));
+            scene.cullBackFaces = fill == Fill::exact;  // the notes' culling has a test of its own
+            RenderRequest r = requestOf(shading, fill);
+            const Frame local = drawn(scene, r).frame;
+            r.distantViewer = true;
+            const Frame distant = drawn(scene, r).frame;
+            expectSamePlane("what is seen", 400, 1, local.primitive, distant.primitive);
+            const double difference = largestDifference(local, distant);
+            EXPECT_GT(difference, 0) << "the choice changes something";
+            EXPECT_LT(difference, before / 5) << "ten times as far away: about a tenth";
+            before = difference;
         }
+    }
 }
 TEST(Modes, ADistantViewerSeesThePolygonsOfAFarOne) {
     const auto seen = [](const std::string& text, bool distant) {
@@ -335,18 +335,18 @@ TEST(Modes, AnAreaLightIsItsPoints) {
             "[[light]]\ntype = 'point'\nposition = [{}, 4, 0.5]\nintensity = {}\nattenuation = '1/d^2'\n", x,
             intensity);
     };
-    for (const Shading shading : {Shading::gouraud, Shading::phong, Shading::ray}) {
+    for (const Shading shading : {Shading::phong, Shading::ray}) {
         RenderRequest r = requestOf(shading, Fill::exact, size);
         if (shading == Shading::ray) r.planes &= ~uint32_t(kPlaneTriangle);
         const Frame area = drawn(with(line("points = 4")), r).frame;
         expectSameFrame(area,
                         drawn(with(point(-0.5, 0.5) + point(0.5, 0.5) + point(1.5, 0.5) + point(2.5, 0.5)), r).frame);
         std::string coincident;
-        constexpr int k = 16;
-        for (int i = 0; i < k; ++i) coincident += point(1, 2.0 / k);
+        constexpr int kCoincident = 16;
+        for (int i = 0; i < kCoincident; ++i) coincident += point(1, 2.0 / kCoincident);
         const Frame one = drawn(with(point(1, 2)), r).frame, many = drawn(with(coincident), r).frame;
         for (size_t i = 0; i < one.linear.size(); ++i)
-            ASSERT_LE(std::abs(one.linear[i] - many.linear[i]), (k + 4) * 0x1p-24f * one.linear[i]);
+            ASSERT_LE(std::abs(one.linear[i] - many.linear[i]), (kCoincident + 4) * 0x1p-24f * one.linear[i]);
         EXPECT_GT(largestDifference(one, area), 0) << "a lamp of four units is no point";
     }
 }
