@@ -34,6 +34,7 @@ layout(constant_id = 14) const uint kSubgroupSize = 8u;   // 8, 16, 32 or 64: cl
 layout(constant_id = 15) const uint kPower = 0u;          // kPowerExact or kPowerSchlick
 layout(constant_id = 16) const bool kAffine = false;      // attributes without perspective
 layout(constant_id = 17) const uint kDepthBits = 32u;     // 32: float; else fixed point
+layout(constant_id = 18) const bool kDistantViewer = false;
 
 layout(push_constant, scalar) uniform Push { FillPush push; };
 layout(binding = 1) uniform usamplerBuffer draws;
@@ -346,7 +347,7 @@ void main() {
                 surface.vx = -rx;
                 surface.vy = -ry;
                 surface.vz = -rz;
-                if (kSpecular) unitVector(surface.vx, surface.vy, surface.vz);
+                if (kSpecular) seeFrom(kDistantViewer, push.toward, surface);
                 if (kPointLights) {
                     Real w = reciprocal(realOf(max(z[r], ivec4(1)))) * push.near;
                     surface.px = rx * w;

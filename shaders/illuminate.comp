@@ -11,6 +11,7 @@ layout(constant_id = 3) const bool kSpecular = true;
 layout(constant_id = 4) const bool kPointLights = true;
 
 layout(constant_id = 5) const uint kPower = 0u;
+layout(constant_id = 6) const bool kDistantViewer = false;
 
 layout(push_constant, scalar) uniform Push { IlluminatePush push; };
 layout(binding = 1) uniform samplerBuffer positions;
@@ -39,7 +40,7 @@ void main() {
     a = transpose(a);
     d = transpose(d);
     s = transpose(s);
-    Surface surface = surfaceOfPoint(o, p[0], p[1], p[2], n[0], n[1], n[2]);
+    Surface surface = surfaceOfPoint(o, kDistantViewer, push.toward, p[0], p[1], p[2], n[0], n[1], n[2]);
     Reflectance k = Reflectance(d[0], d[1], d[2], s[0], s[1], s[2], a[3], d[3]);
     Colour c = Colour(a[0], a[1], a[2]);
     if (push.firstLight != 0u) {

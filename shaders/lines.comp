@@ -6,11 +6,15 @@ layout(local_size_x = 64) in;
 #include "shared/status.h"
 #include "shared/lines.h"
 
+layout(constant_id = 2) const bool kHidden = false;     // hidden lines are removed
+
 layout(push_constant, scalar) uniform Push { LinesPush push; };
 layout(binding = 1) uniform usamplerBuffer edges;      // two vertices
 layout(binding = 2) uniform samplerBuffer positions;
 layout(binding = 3, scalar) readonly buffer Objects { ObjectRecord objects[]; };
 layout(binding = 4, scalar) buffer Owners { uint owners[]; };
+layout(binding = 5) uniform usamplerBuffer edgeFaces;   // the polygon of each edge (kHidden)
+layout(binding = 6) uniform usamplerBuffer surfaces;    // z bits and face of each pixel of the surface rows (kHidden)
 
 int floorDivide(int a, int b, out int rest) {  // b > 0
     uint magnitude = uint(abs(a));
@@ -19,6 +23,12 @@ int floorDivide(int a, int b, out int rest) {  // b > 0
     bool down = a < 0 && r != 0u;
     rest = a < 0 ? (down ? b - int(r) : 0) : int(r);
     return a < 0 ? -int(q) - (down ? 1 : 0) : int(q);
+}
+
+uvec2 surfaceAt(int x, int y) {  // of the frame; nothing outside
+    bool inside = x >= 0 && x < push.width && y >= push.surfaceRow && y < push.surfaceRow + push.surfaceRows;
+    uvec2 s = texelFetch(surfaces, inside ? (y - push.surfaceRow) * push.width + x : 0).xy;
+    return inside ? s : uvec2(0u, kNoFace);
 }
 
 void main() {
@@ -41,6 +51,12 @@ void main() {
     ivec2 b = ivec2(snapToSubpixel(exactDivide(e.x1, e.w1) + push.viewport.centreX, limitX),
                     snapToSubpixel(exactDivide(e.y1, e.w1) + push.viewport.centreY, limitY));
     LineWalk w = walkLine(a, b);
+    LineDepth depth = LineDepth(0.0, 0.0);
+    uint face = 0u;
+    if (kHidden) {
+        depth = lineDepth(exactDivide(push.viewport.near, e.w0), exactDivide(push.viewport.near, e.w1), w);
+        face = texelFetch(edgeFaces, int(push.firstEdge + number)).x;
+    }
     int rest, stepRest;
     int along = floorDivide(w.offset * w.rise, w.run, rest);
     int perPixel = floorDivide(256 * w.rise, w.run, stepRest);
@@ -51,7 +67,14 @@ void main() {
         int minor = (w.start + along) >> kSubpixelBits;
         int x = w.steep != 0 ? minor : major;
         int y = (w.steep != 0 ? major : minor) - push.firstRow;
-        if (k < count && x >= 0 && x < push.width && y >= 0 && y < push.rows) atomicMin(owners[uint(y) * push.rowPixels + uint(x)], push.edgeNumber + number);
+        bool shows = k < count && x >= 0 && x < push.width && y >= 0 && y < push.rows;
+        if (kHidden && shows) {
+            ivec2 across = w.steep != 0 ? ivec2(1, 0) : ivec2(0, 1);
+            ivec2 at = ivec2(x, y + push.firstRow);
+            shows = lineShows(lineDepthAt(depth, w, k), face, surfaceAt(at.x, at.y), surfaceAt(at.x - across.x, at.y - across.y),
+                              surfaceAt(at.x + across.x, at.y + across.y));
+        }
+        if (shows) atomicMin(owners[uint(y) * push.rowPixels + uint(x)], push.edgeNumber + number);
         along += perPixel;
         rest += stepRest;
         bool carry = rest >= w.run;

@@ -175,7 +175,7 @@ const std::vector<const char*> kFile = {"FILE"};
 const std::vector<const char*> kDeviceWords = {"auto", "twin", "lavapipe", "gpu", "software"};
 
 const std::vector<Flag> kFlags = {
-    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}' and '{aov}' are filled in; diff writes the difference as PNG, measure a report as one HTML file", "",
+    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}', '{aov}', '{eye}', '{field}' and '{ink}' are filled in; diff writes the difference as PNG, measure a report as one HTML file", "",
      "a path that ends in .png, .exr or .npy (measure: .html), or -", kFile, kRender | kVerify | kDiff | kMeasure, [](Options& o, const std::string& v) {
          if (v.empty()) throw Refused{};
          o.output = v;
@@ -189,6 +189,15 @@ const std::vector<Flag> kFlags = {
      }},
     {"--fill", "RULE", "which pixels a face covers: exact (8 sub-pixel bits, watertight) or the polygon fill of the lecture notes", "the scene's, else exact", "exact, notes",
      {"exact", "notes"}, kDraw, [](Options& o, const std::string& v) { o.fill = oneOf<Fill>(v, {{"exact", Fill::exact}, {"notes", Fill::notes}}); }},
+    {"--wire", "VIEW", "what a wire frame shows: see-through every edge, culled those of polygons that face the viewer, solid what is not hidden", "the scene's, else see-through",
+     "see-through, culled, solid", {"see-through", "culled", "solid"}, kDraw,
+     [](Options& o, const std::string& v) { o.wire = oneOf<WireView>(v, {{"see-through", WireView::seeThrough}, {"culled", WireView::culled}, {"solid", WireView::solid}}); }},
+    {"--edges", "COUNT", "a wire frame draws each edge once, or as often as polygons have it; solid always does the latter", "the scene's, else once", "once, polygons", {"once", "polygons"}, kDraw,
+     [](Options& o, const std::string& v) { o.wirePerPolygon = oneOf<bool>(v, {{"once", false}, {"polygons", true}}); }},
+    {"--cull", "WHEN", "leave out polygons that face away from the viewer (wire frames: --wire)", "the scene's, else on", "on, off", {"on", "off"}, kDraw,
+     [](Options& o, const std::string& v) { o.cull = oneOf<bool>(v, {{"on", true}, {"off", false}}); }},
+    {"--viewer", "PLACE", "where highlights are seen from: local is the eye, distant one direction for every point (raster shadings; --fill notes also culls by it)", "the scene's, else local",
+     "local, distant", {"local", "distant"}, kDraw, [](Options& o, const std::string& v) { o.distantViewer = oneOf<bool>(v, {{"local", false}, {"distant", true}}); }},
     {"--max-depth", "N", "rays one after another, with --shading ray; 1 shows local colours only", "the scene's, else 5", "a whole number, 1 to 64", kNoWords, kDraw,
      [](Options& o, const std::string& v) { o.maxDepth = number<uint32_t>(v, 1, 64); }},
     {"--min-weight", "W", "a ray that adds less than this share to its pixel is not followed, with --shading ray", "the scene's, else 0", "a number, 0 to 1", kNoWords, kDraw,
@@ -219,6 +228,18 @@ const std::vector<Flag> kFlags = {
      {"front", "back", "left", "right", "top", "bottom", "iso"}, kDraw, addView, true},
     {"--turntable", "N", "N pictures of one turn about the up axis; -o needs '{n}'", "", "a whole number, 1 to 100000", kNoWords, kRender,
      [](Options& o, const std::string& v) { o.turntable = number<uint32_t>(v, 1, 100000); }},
+    {"--stereo", "FORM", "what two eyes see: pair makes two pictures and -o needs '{eye}', side-by-side one with the left eye's on the left, anaglyph one for red and cyan glasses", "",
+     "pair, side-by-side, anaglyph", {"pair", "side-by-side", "anaglyph"}, kRender,
+     [](Options& o, const std::string& v) { o.stereo = oneOf<StereoForm>(v, {{"pair", StereoForm::pair}, {"side-by-side", StereoForm::sideBySide}, {"anaglyph", StereoForm::anaglyph}}); }},
+    {"--eye-separation", "DISTANCE", "distance between the two eyes of --stereo, in scene units", "1/30 of the distance to the framed centre", "a number above 0", kNoWords, kRender,
+     [](Options& o, const std::string& v) { o.eyeSeparation = real(v, 1e-30, 1e30); }},
+    {"--interlace", "", "write the lines 1, 3, 5, ... and the lines 2, 4, 6, ... as two pictures; -o needs '{field}' (odd, even)", "", "", kNoWords, kRender,
+     [](Options& o, const std::string&) { o.interlace = true; }},
+    {"--separations", "INKS", "write one grey PNG an ink, 255 being full ink, instead of the picture; -o needs '{ink}'", "", "cmy, cmyk (black is all that the three have in common)", {"cmy", "cmyk"}, kRender,
+     [](Options& o, const std::string& v) {
+         oneOf<int>(v, {{"cmy", 3}, {"cmyk", 4}});
+         o.separations = v;
+     }},
     {"--device", "DEVICE", "what draws", "auto", "auto, twin, lavapipe, gpu, software, an index, a UUID or a part of a name (`plumb devices` lists them)", kDeviceWords,
      kUsesDevice,
      [](Options& o, const std::string& v) {
@@ -444,7 +465,6 @@ void checkTogether(const Options& o) {
     if (o.quiet && o.verbose != 0) throw usageError("-q and -v exclude each other");
     if (o.turntable != 0 && o.views.size() > 1) throw usageError("--turntable turns one view: give --view once at most");
     if (!o.views.empty() && (o.eye || o.at)) throw usageError("--view and --eye/--at exclude each other");
-    if (o.fill == Fill::notes && o.samples != 1) throw usageError("--fill notes draws one sample a pixel: leave --samples out");
     if (o.fill && o.shading == Shading::wire) throw usageError("--fill and --shading wire exclude each other: a wire frame fills nothing");
     if (o.dimensions == 2 && o.spacePoints) throw usageError("--point: with --dimensions 2 a point has two numbers");
     if (o.dimensions == 3 && o.planePoints) throw usageError("--point: a point has three numbers, unless with --dimensions 2");
@@ -484,6 +504,10 @@ const char* nameOf(Shading shading) {
     return kNames[size_t(shading)];
 }
 const char* nameOf(Fill f) { return f == Fill::notes ? "notes" : "exact"; }
+const char* nameOf(StereoForm form) {
+    static constexpr const char* kNames[] = {"none", "pair", "side-by-side", "anaglyph"};
+    return kNames[size_t(form)];
+}
 const char* nameOf(Encoding encoding) { return encoding == Encoding::srgb ? "srgb" : "linear"; }
 std::string versionText() { return PLUMB_VERSION; }
 

@@ -18,6 +18,7 @@ namespace plumb {
 enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kDiff = 32, kMeasure = 64, kMatrix = 128, kBench = 256, kEveryCommand = 127 | kMatrix | kBench };
 
 enum class ProgressMode { automatic, bar, plain, json, none };
+enum class StereoForm { none, pair, sideBySide, anaglyph };
 enum class Aov { colour, linear, depth, distance, normal, objectId, primitiveId };
 
 const char* nameOf(Aov);
@@ -44,6 +45,8 @@ struct Options {
     std::optional<glm::uvec2> size;
     std::optional<Shading> shading;
     std::optional<Fill> fill;
+    std::optional<bool> distantViewer, wirePerPolygon, cull;
+    std::optional<WireView> wire;
     std::optional<Encoding> encoding;
     uint32_t samples = 1;
     std::optional<uint32_t> maxDepth;       // of rays
@@ -56,6 +59,10 @@ struct Options {
     std::optional<double> fovDegrees, near;
     std::vector<std::string> views;         // words of frameCamera()
     uint32_t turntable = 0;                 // pictures of one turn; 0: none
+    StereoForm stereo = StereoForm::none;
+    std::optional<double> eyeSeparation;    // scene units
+    bool interlace = false;
+    std::string separations;                // cmy, cmyk; empty: none
 
     std::string device = "auto", requireDevice;
     uint32_t threads = 0;
@@ -142,6 +149,7 @@ std::string completionScript(const std::string& shell);  // bash, zsh, fish
 // "640x480" etc. as printed in messages and JSON.
 const char* nameOf(Shading);
 const char* nameOf(Fill);
+const char* nameOf(StereoForm);
 const char* nameOf(Encoding);
 std::string versionText();                  // "0.1.0"
 

@@ -4,8 +4,10 @@
 #include "pipeline/command/command.h"
 #include "pipeline/command/error_report.h"
 #include "pipeline/command/interrupt.h"
+#include "pipeline/command/output_plan.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
+#include "pipeline/command/stereo.h"
 #include "pipeline/command/views.h"
 #include "pipeline/image/image.h"
 #include "pipeline/measure/axes.h"
@@ -16,7 +18,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <future>
-#include <set>
+#include <optional>
 
 namespace plumb {
 namespace {
@@ -24,70 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double millisecondsSince(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
-struct OutputFile {
-    std::string path;
-    std::vector<Aov> aovs;
-};
-
-// Where everything goes, decided and checked before anything is drawn.
-struct OutputPlan {
-    bool sheet = false;                            // all views in one picture
-    std::vector<std::vector<OutputFile>> files;    // of each view; of the sheet alone when there is one
-    uint32_t planes = kPlaneColour;
-    bool transparent = false;
-};
-
-std::string extensionOf(const std::string& path) { return path == "-" ? ".png" : std::filesystem::path(path).extension().string(); }
-
-void checkContents(const OutputFile& file, const Options& options) {
-    const std::string extension = extensionOf(file.path);
-    const bool colourOnly = file.aovs.size() == 1 && file.aovs[0] == Aov::colour;
-    if (extension == ".png") {
-        if (!colourOnly) throw usageError(fmt::format("--aov: '{}' is a PNG and holds color only; use .exr or .npy", printable(file.path)));
-    } else if (extension == ".npy") {
-        if (file.aovs.size() != 1) throw usageError(fmt::format("--aov: '{}' holds one plane; use '{{aov}}' in -o, or .exr", printable(file.path)));
-    } else if (extension != ".exr") {
-        throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, .exr or .npy, or -", printable(file.path)));
-    }
-    if (options.bits != 8 && extension != ".png") throw usageError("--bits is for .png; .exr and .npy hold float32 and uint32");
-}
-
-OutputPlan outputPlanOf(const Options& options, const std::vector<Viewpoint>& views) {
-    OutputPlan plan;
-    const std::string& pattern = options.output;
-    const bool numbered = hasPlaceholder(pattern, "n"), named = hasPlaceholder(pattern, "view");
-    if (options.turntable > 1 && !numbered) throw usageError(fmt::format("--turntable makes {} pictures: -o needs '{{n}}', e.g. spin_{{n}}.png", options.turntable));
-    plan.sheet = options.turntable == 0 && views.size() > 1 && !numbered && !named;
-    if (plan.sheet && extensionOf(pattern) != ".png") throw usageError("several --view make a contact sheet, which is a .png; use '{view}' or '{n}' in -o");
-
-    const std::vector<Aov> aovs = options.aovs.empty() ? std::vector<Aov>{Aov::colour} : options.aovs;
-    for (const Aov aov : aovs) plan.planes |= planeOf(aov);
-    const auto count = uint32_t(plan.sheet ? 1 : views.size());
-    const auto digits = uint32_t(std::to_string(count - 1).size());
-    std::set<std::string> paths;
-    for (uint32_t i = 0; i < count; ++i) {
-        std::vector<OutputFile>& files = plan.files.emplace_back();
-        if (hasPlaceholder(pattern, "aov"))
-            for (const Aov aov : aovs) files.push_back({filledIn(pattern, {i, digits, views[i].name, nameOf(aov)}), {aov}});
-        else
-            files.push_back({filledIn(pattern, {i, digits, views[i].name, ""}), aovs});
-        for (const OutputFile& file : files) {
-            checkContents(file, options);
-            checkWritable(file.path, options.noClobber);
-            if (!paths.insert(file.path).second) throw usageError(fmt::format("--output: two pictures would be written to '{}'", printable(file.path)));
-            if (extensionOf(file.path) == ".exr" && (plan.planes & kPlaneColour) != 0) plan.planes |= kPlaneLinear;
-        }
-    }
-    if (options.bits == 16) plan.planes |= kPlaneLinear;
-    plan.transparent = options.background && options.background->transparent;
-    if (!options.jsonFile.empty()) {
-        if (paths.count(options.jsonFile) != 0) throw usageError("--json and -o name the same file");
-        checkWritable(options.jsonFile, options.noClobber);
-    }
-    return plan;
-}
-
-Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest& request, const Viewpoint& view) {
+Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest& request, const Viewpoint& view, const Stereo& stereo) {
     // Neither device nor time nor folder: the same scene gives the same file on every machine.
     const Json tool = toolJson();
     Metadata metadata;
@@ -104,8 +43,11 @@ Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest&
     metadata["samples"] = std::to_string(request.samples);
     metadata["encoding"] = nameOf(request.encoding);
     // Nothing for the default, whose files stay as they are.
+    if (request.wire != WireView::seeThrough) metadata["wire"] = request.wire == WireView::solid ? "solid" : "culled";
+    if (request.distantViewer) metadata["viewer"] = "distant";
     if (request.trade != Trade{}) metadata["trade"] = wordsOf({request, true});
     metadata["camera"] = cameraJson(view.camera).dump();
+    if (stereo.form != StereoForm::none) metadata["stereo"] = stereo.json().dump();
     metadata["determinism"] = "bits";
     return metadata;
 }
@@ -117,17 +59,29 @@ std::string explained(const Plan& plan) {
     return text;
 }
 
+// `eye`: of a stereo pair; else every file is of this picture.
 void writePicture(const std::vector<OutputFile>& files, const Frame& frame, const OutputPlan& plan, const Options& options, const RenderRequest& request,
-                  const Metadata& metadata) {
-    WriteOptions write;
-    write.noClobber = options.noClobber;
-    write.alpha = plan.transparent;
-    write.bits = options.bits;
-    write.linear = request.encoding == Encoding::linear;
+                  const Metadata& metadata, std::optional<Eye> eye = std::nullopt) {
     for (const OutputFile& file : files) {
+        if (file.eye != eye) continue;
+        WriteOptions write;
+        write.noClobber = options.noClobber;
+        write.alpha = plan.transparent;
+        write.bits = options.bits;
+        write.linear = request.encoding == Encoding::linear;
+        write.grey = file.inks.has_value();
         uint32_t planes = 0;
         for (const Aov aov : file.aovs) planes |= planeOf(aov);
-        writeFrame(file.path, frame, planes, write, metadata);
+        Metadata own = metadata;
+        if (file.eye) own["eye"] = nameOf(*file.eye);
+        if (file.field) own["field"] = *file.field == Field::odd ? "odd: lines 1, 3, 5, ... of the picture" : "even: lines 2, 4, 6, ... of the picture";
+        if (file.inks) own["ink"] = std::string(namesOf(*file.inks)[file.ink]) + ": 255 is full ink";
+        if (!file.field && !file.inks) {
+            writeFrame(file.path, frame, planes, write, own);
+            continue;
+        }
+        const Frame field = file.field ? fieldOf(frame, *file.field) : frame;
+        writeFrame(file.path, file.inks ? separationOf(field, *file.inks, file.ink) : field, planes, write, own);
     }
 }
 
@@ -146,7 +100,7 @@ Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector
     json["scene"] = sceneJson(scene, sources);
     json["view"] = view.name;
     json["camera"] = cameraJson(view.camera);
-    json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}, {"transparent", request.transparent}};
+    json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}, {"transparent", request.transparent}, {"viewer", request.distantViewer ? "distant" : "local"}};
     json["plan"] = planJson(result.plan);
     json["time_ms"] = Json::object();  // filled when the picture is written
     json["image"] = imageJson(result.frame, facts, blank);
@@ -183,12 +137,12 @@ Exit renderCommand(const Options& options) {
         writeJson(options, {{{"tool", toolJson()}, {"scene", sceneJson(scene, sources)}, {"camera", cameraJson(views[0].camera)}, {"plan", planJson(plan)}}});
         return Exit::done;
     }
-    const OutputPlan plan = outputPlanOf(options, views);
+    const OutputPlan plan = outputPlanOf(options, views, size);
     request.planes = plan.planes;
     if (options.withError) {
+        if (options.stereo != StereoForm::none) throw usageError("--with-error: the truth is that of one eye; measure each by its own --eye");
         if (request.shading == Shading::ray) throw usageError("--with-error: the truth of --shading ray is not in this version");
         if (request.shading == Shading::wire) throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
-        if (request.fill == Fill::notes) throw usageError("--with-error: the truth is sampled in the middle of pixels, and --fill notes samples whole coordinates");
         request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;  // which change no byte of the picture
     }
 
@@ -215,13 +169,24 @@ Exit renderCommand(const Options& options) {
         scene.camera = views[i].camera;
         scene.lights = views[i].lights;
         progress.begin(views.size() == 1 ? "render" : fmt::format("render {}/{}", i + 1, views.size()));
-        RenderResult result = renderer->render(scene, request);
+        const Stereo stereo(options, views[i].camera, size);
+        std::optional<RenderResult> secondEye;  // of a pair
+        RenderResult result;
+        if (stereo.form == StereoForm::none) {
+            result = renderer->render(scene, request);
+        } else if (stereo.form == StereoForm::pair) {
+            result = renderEye(*renderer, scene, views[i].camera, request, stereo, Eye::left);
+            secondEye = renderEye(*renderer, scene, views[i].camera, request, stereo, Eye::right);
+        } else {
+            result = renderBothEyes(*renderer, scene, views[i].camera, request, stereo);
+        }
         stopIfInterrupted();
         progress.clear();
         tellFallbacks();
         renderer->checkValidation();
         const FrameFacts facts = factsOf(result.frame, options.json || options.failBlank);
         refuseFaults(facts);
+        if (secondEye) refuseFaults(factsOf(secondEye->frame, false));
         const bool blank = isBlank(facts, options.failBlank.value_or(0.001));
         const bool refused = blank && options.failBlank;
         if (refused) {
@@ -232,6 +197,7 @@ Exit renderCommand(const Options& options) {
 
         Json report;
         if (options.json) report = pictureJson(*renderer, scene, sources, views[i], request, result, facts, blank);
+        if (options.json && stereo.form != StereoForm::none) report["stereo"] = stereo.json();
         double truthMs = 0;
         if (options.withError) {
             progress.begin("truth");
@@ -248,10 +214,14 @@ Exit renderCommand(const Options& options) {
         if (plan.sheet) {
             cells.push_back(std::move(result.frame));
         } else if (!refused) {
-            writePicture(plan.files[i], result.frame, plan, options, request, metadataOf(sources, request, views[i]));
+            const Metadata metadata = metadataOf(sources, request, views[i], stereo);
+            writePicture(plan.files[i], result.frame, plan, options, request, metadata, secondEye ? std::optional(Eye::left) : std::nullopt);
+            if (secondEye) writePicture(plan.files[i], secondEye->frame, plan, options, request, metadata, Eye::right);
         }
         const double writeMs = millisecondsSince(writeStart);
         if (options.json) {
+            const double perSecond = result.totalMs > 0 ? 1000 / result.totalMs : 0;  // of the picture alone, without loading and writing
+            report["frame_rate"] = {{"per_second", perSecond}, {"holds_30", perSecond >= 30}, {"holds_60", perSecond >= 60}};
             Json& times = report["time_ms"];
             times["load"] = loadMs;
             times["device"] = renderer->openMs();
@@ -275,7 +245,7 @@ Exit renderCommand(const Options& options) {
     if (plan.sheet && verdict == Exit::done) {
         const glm::vec3& b = request.background;
         const Frame sheet = contactSheet(cells, 0, backgroundPixel(request), {b.r, b.g, b.b});
-        Metadata metadata = metadataOf(sources, request, views[0]);
+        Metadata metadata = metadataOf(sources, request, views[0], Stereo(options, views[0].camera, size));
         metadata.erase("camera");
         std::string names;
         for (const Viewpoint& view : views) names += (names.empty() ? "" : " ") + view.name;

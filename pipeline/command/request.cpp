@@ -40,6 +40,12 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     request.height = size.y;
     request.shading = options.shading.value_or(scene.shading.value_or(onlyRaysDraw(scene) ? Shading::ray : Shading::phong));
     request.fill = options.fill.value_or(scene.fill.value_or(Fill::exact));
+    request.wire = options.wire.value_or(scene.wire.value_or(WireView::seeThrough));
+    request.wirePerPolygon = options.wirePerPolygon.value_or(scene.wirePerPolygon.value_or(false));
+    if (request.shading != Shading::wire && (options.wire || options.wirePerPolygon)) throw usageError("--wire and --edges go with --shading wire");
+    request.distantViewer = options.distantViewer.value_or(scene.distantViewer.value_or(false));
+    if (request.shading == Shading::ray && request.distantViewer)
+        throw usageError("--viewer distant is a simplification of the raster shadings; a ray comes from the eye that it is traced from");
     request.maxDepth = options.maxDepth.value_or(scene.maxDepth);
     request.minWeight = float(options.minWeight.value_or(scene.minWeight));
     if (request.shading != Shading::ray && options.maxDepth) throw usageError("--max-depth goes with --shading ray");

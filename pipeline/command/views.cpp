@@ -62,6 +62,7 @@ glm::uvec2 sizeOf(const Scene& scene, const Options& options) {
 
 std::vector<Viewpoint> viewsOf(Scene& scene, glm::uvec2 size, const Options& options) {
     if (options.up) scene.up = glm::normalize(*options.up);
+    if (options.cull) scene.cullBackFaces = *options.cull;
     const bool bareMesh = isBareMesh(options.inputs[0]);
     const bool unlit = bareMesh && scene.lights.empty();
     const auto view = [&](const std::string& name, const Camera& camera) {
@@ -105,8 +106,14 @@ std::string filledIn(const std::string& pattern, const PlaceholderValues& values
             out += values.view;
         else if (name == "aov")
             out += values.aov;
+        else if (name == "eye")
+            out += values.eye;
+        else if (name == "field")
+            out += values.field;
+        else if (name == "ink")
+            out += values.ink;
         else
-            throw usageError(fmt::format("--output: '{{{}}}' is not known; placeholders: {{n}}, {{n:4}}, {{view}}, {{aov}}", printable(name)));
+            throw usageError(fmt::format("--output: '{{{}}}' is not known; placeholders: {{n}}, {{n:4}}, {{view}}, {{aov}}, {{eye}}, {{field}}, {{ink}}", printable(name)));
         at = close + 1;
     }
     return out;

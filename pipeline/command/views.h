@@ -11,7 +11,7 @@ namespace plumb {
 
 struct Viewpoint {
     std::string name;              // as in --view; "" for the scene's own camera
-    Camera camera;
+    Camera camera;                 // of --stereo: midway between the eyes
     std::vector<Light> lights;
 };
 
@@ -20,11 +20,11 @@ struct Viewpoint {
 std::vector<Viewpoint> viewsOf(Scene&, glm::uvec2 size, const Options&);
 glm::uvec2 sizeOf(const Scene&, const Options&);
 
-// '{n}', '{n:4}', '{view}', '{aov}' filled in. A number is padded with zeros to `digits`, or as the placeholder says.
+// '{n}', '{n:4}', '{view}', '{aov}', '{eye}', '{field}', '{ink}' filled in. A number is padded with zeros to `digits`, or as the placeholder says.
 // Throws Error(usage) on a placeholder that is not known.
 struct PlaceholderValues {
     uint32_t number = 0, digits = 1;
-    std::string view, aov;
+    std::string view, aov, eye, field, ink;
 };
 std::string filledIn(const std::string& pattern, const PlaceholderValues&);
 bool hasPlaceholder(const std::string& pattern, const char* name);

@@ -21,6 +21,7 @@ struct WriteOptions {
     bool alpha = false;       // PNG: RGBA instead of RGB
     int bits = 8;             // PNG: 8, or 16 (needs kPlaneLinear; sRGB or linear as metadata "encoding" says)
     bool linear = false;      // PNG 16: no sRGB curve
+    bool grey = false;        // PNG: one channel of 8 bits, the red bytes as they are: a quantity rather than a colour, so neither curve nor gamma
 };
 
 // "-" writes to stdout. Throws Error(failed) on disk faults (old file intact, temporary removed), Error(usage) for noClobber.

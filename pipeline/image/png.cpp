@@ -56,6 +56,11 @@ void packRow8(const Frame& frame, uint32_t y, bool alpha, unsigned char* to) {
     }
 }
 
+void packRowGrey(const Frame& frame, uint32_t y, unsigned char* to) {
+    const uint32_t* from = frame.rgba.data() + size_t(y) * frame.width;
+    for (uint32_t x = 0; x < frame.width; ++x) *to++ = static_cast<unsigned char>(from[x]);
+}
+
 void packRow16(const Frame& frame, uint32_t y, bool alpha, bool keepLinear, unsigned char* to) {
     const auto put = [&to](uint32_t value) {  // PNG is big endian
         *to++ = static_cast<unsigned char>(value >> 8);
@@ -82,7 +87,9 @@ std::vector<std::byte> encodePng(const Frame& frame, const WriteOptions& options
     const size_t pixels = size_t(frame.width) * frame.height;
     PLUMB_ASSERT(pixels != 0 && frame.rgba.size() == pixels);
     PLUMB_ASSERT(options.bits == 8 || (options.bits == 16 && frame.linear.size() == pixels * 3));
-    const size_t channels = options.alpha ? 4 : 3;
+    PLUMB_ASSERT(!options.grey || (options.bits == 8 && !options.alpha));
+    const size_t channels = options.grey ? 1 : options.alpha ? 4 : 3;
+    const int colourType = options.grey ? PNG_COLOR_TYPE_GRAY : options.alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB;
     const size_t rowBytes = size_t(frame.width) * channels * size_t(options.bits / 8);
 
     // Everything with a destructor lives outside the frames that longjmp leaves.
@@ -118,16 +125,17 @@ std::vector<std::byte> encodePng(const Frame& frame, const WriteOptions& options
     png_set_user_limits(png, 0x7fffffff, 0x7fffffff);
     png_set_compression_level(png, kZlibLevel);
     png_set_filter(png, 0, PNG_FILTER_SUB);
-    png_set_IHDR(png, info, frame.width, frame.height, options.bits, options.alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
+    png_set_IHDR(png, info, frame.width, frame.height, options.bits, colourType,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    if (options.linear)
-        png_set_gAMA_fixed(png, info, PNG_FP_1);
-    else
+    if (options.linear && !options.grey) png_set_gAMA_fixed(png, info, PNG_FP_1);
+    if (!options.linear && !options.grey)
         png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
     if (!texts.empty()) png_set_text(png, info, texts.data(), int(texts.size()));
     png_write_info(png, info);
     for (uint32_t y = 0; y < frame.height; ++y) {
-        if (options.bits == 8)
+        if (options.grey)
+            packRowGrey(frame, y, row.data());
+        else if (options.bits == 8)
             packRow8(frame, y, options.alpha, row.data());
         else
             packRow16(frame, y, options.alpha, options.linear, row.data());

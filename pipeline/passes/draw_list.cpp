@@ -18,6 +18,7 @@ DrawList chunkOf(const DrawList& list, uint32_t first, uint32_t count) {
     chunk.rayOrigin = list.rayOrigin;
     chunk.rayX = list.rayX;
     chunk.rayY = list.rayY;
+    chunk.towardViewer = list.towardViewer;
     chunk.firstTriangle = list.firstTriangle + first;
     constexpr uint32_t kUnused = 0xffffffffu;
     for (const DrawList::Range& range : list.ranges) {

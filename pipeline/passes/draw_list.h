@@ -28,12 +28,14 @@ struct DrawList {
     std::vector<glm::vec4> facePositions, faceNormals;    // flat shading: one point a face
     std::vector<uint32_t> faceMaterial, facePrimitive;    // primitive_id of a face
     std::vector<glm::uvec2> edges;                        // wire frame
+    std::vector<uint32_t> edgeFace;                       // of each edge, index into the face stream: when hidden lines are removed
     std::vector<gpu::MaterialRecord> materials;
     std::vector<gpu::LightRecord> lights;
     gpu::Viewport viewport{};
     gpu::FrameBox frame{};                                // the whole frame, in samples
     uint32_t cullBackFaces = 1;
     glm::vec3 rayOrigin{0}, rayX{0}, rayY{0};
+    glm::vec3 towardViewer{0};                            // unit, of a distant viewer; 0: the viewer is at the origin
     uint32_t firstTriangle = 0;                           // of this chunk in the whole list
 };
 

@@ -134,7 +134,7 @@ void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoice
                 s.vx = -rx;
                 s.vy = -ry;
                 s.vz = -rz;
-                gpu::unitVector(s.vx, s.vy, s.vz);
+                gpu::seeFrom(list.towardViewer != glm::vec3(0), list.towardViewer, s);
                 const float w = gpu::reciprocal(gpu::realOf(z[at])) * list.viewport.near;
                 s.px = rx * w;
                 s.py = ry * w;

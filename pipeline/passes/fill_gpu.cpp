@@ -24,6 +24,7 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
     constants[15] = choices.parts.power;
     constants[16] = choices.affine;
     constants[17] = choices.depthBits;
+    constants[18] = push.toward != glm::vec3(0);
     // Wide triangles need more words than are worth shuffling.
     const bool shuffle = choices.subgroupSize >= 8 && choices.subgroupSize <= 64 && !choices.wide;
     if (shuffle) constants[14] = choices.subgroupSize;

@@ -16,7 +16,7 @@ void illuminateCpu(const gpu::IlluminatePush& push, const gpu::ShadeParts& parts
         for (uint64_t i = push.firstPoint + begin; i < push.firstPoint + end; ++i) {
             const glm::vec4 &p = positions[i], &n = normals[i];
             const gpu::MaterialRecord& m = materials[pointMaterials[i]];
-            const gpu::Surface surface = gpu::surfaceOfPoint(objects[push.object], p.x, p.y, p.z, n.x, n.y, n.z);
+            const gpu::Surface surface = gpu::surfaceOfPoint(objects[push.object], push.toward != glm::vec3(0), push.toward, p.x, p.y, p.z, n.x, n.y, n.z);
             gpu::Colour c{m.base.x, m.base.y, m.base.z};
             for (const gpu::LightRecord& light : lights)
                 gpu::addLight(glm::vec4(light.place, light.kind), glm::vec4(light.intensity, light.attenuation), surface,

@@ -24,6 +24,7 @@ void recordIlluminate(Recorder& recorder, const gpu::IlluminatePush& push, const
     constants[3] = parts.specular;
     constants[4] = parts.point;
     constants[5] = parts.power;
+    constants[6] = push.toward != glm::vec3(0);
     for (uint32_t light = 0; light == 0 || light < push.lightCount; light += gpu::kLightsPerWindow) {
         gpu::IlluminatePush part = push;
         part.firstLight = push.firstLight + light;

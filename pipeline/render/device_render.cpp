@@ -63,7 +63,7 @@ RenderResult DeviceRender::draw() {
     const Stopwatch total(nullptr, "");
     PlaneWriter writer(p_, request_.planes, result_.frame);
     if (request_.shading == Shading::wire) {
-        drawWireGpu(device_, p_, request_, result_);
+        drawWireGpu(device_, scene_, p_, request_, result_);
         result_.totalMs = total.elapsedMs();
         return std::move(result_);
     }

@@ -10,7 +10,7 @@ namespace plumb {
 class DeviceRender {
 public:
     DeviceRender(Device& device, const Scene& scene, const RenderRequest& request)
-        : device_(device), request_(request), p_(prepare(scene, request)), frame_(device, p_, request.watchdogMs) {
+        : device_(device), scene_(scene), request_(request), p_(prepare(scene, request)), frame_(device, p_, request.watchdogMs) {
         result_.plan = p_.plan;
         result_.counters = p_.counters;
         listen();
@@ -40,6 +40,7 @@ private:
     void readBand(PlaneWriter& writer, const gpu::FrameBox& band, uint32_t planes);
 
     Device& device_;
+    const Scene& scene_;
     RenderRequest request_;
     Prepared p_;
     GpuFrame frame_;

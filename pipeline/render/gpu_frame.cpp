@@ -106,10 +106,10 @@ void GpuFrame::transformAndCull(bool normals) {
                         writeNormals, exact_, positions_, normals_, objects_, screen_, carried_);
         const uint32_t lightCount = uint32_t(chunk_->lights.size());
         if (gouraud)
-            recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount}, choices.parts, exact_, positions_,
+            recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, exact_, positions_,
                              normals_, vertexMaterial_, objects_, materials_, lights_, carried_);
         if (choices.shading == gpu::kShadingFlat && !normals && r.faceCount)
-            recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, 0, lightCount}, choices.parts, exact_, facePositions_,
+            recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, exact_, facePositions_,
                              faceNormals_, faceMaterial_, objects_, materials_, lights_, faceColours_);
     }
     recordCull(recorder_, {0, uint32_t(chunk_->triangles.size()), chunk_->cullBackFaces, chunk_->frame}, exact_, triangles_, screen_,
@@ -229,6 +229,7 @@ void GpuFrame::fill(FillChoices choices) {
     push.rayX = chunk_->rayX;
     push.rayY = chunk_->rayY;
     push.backgroundLinear = prepared_.backgroundLinear;
+    push.toward = chunk_->towardViewer;
     const FillBuffers buffers{draws_,     screen_,  choices.shading == gpu::kShadingFlat ? faceColours_ : carried_, tileBuffer_, entries_,
                               triangleMaterial_, materials_, lights_, encodeTable_, colours_, planeBuffer_};
     for (uint32_t slice = 0; slice < slices; ++slice) {

@@ -4,11 +4,14 @@
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/parallel.h"
+#include "pipeline/passes/resolve.h"
+#include "pipeline/render/polygons.h"
 #include "pipeline/render/stopwatch.h"
 
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace plumb {
 
@@ -35,29 +38,6 @@ struct Corner {
     dvec3 view;
     glm::vec3 carried;
 };
-
-// Corners of a face around its outline, from the triangles it was cut into: the edges that no two of them share.
-std::vector<uint32_t> outlineOf(std::span<const TriangleMesh::Triangle> triangles) {
-    std::vector<std::pair<uint32_t, uint32_t>> edges;
-    for (const TriangleMesh::Triangle& t : triangles)
-        for (size_t i = 0; i < 3; ++i) {
-            const uint32_t a = t.vertex[i], b = t.vertex[(i + 1) % 3];
-            const auto twin = std::find(edges.begin(), edges.end(), std::pair(b, a));
-            if (twin != edges.end())
-                edges.erase(twin);
-            else
-                edges.emplace_back(a, b);
-        }
-    std::vector<uint32_t> outline;
-    for (uint32_t at = edges.empty() ? 0 : edges[0].first; outline.size() < edges.size();) {
-        const auto next = std::find_if(edges.begin(), edges.end(), [&](const auto& e) { return e.first == at; });
-        if (next == edges.end()) return {};
-        outline.push_back(at);
-        at = next->second;
-        if (at == outline[0]) break;
-    }
-    return outline.size() == edges.size() ? outline : std::vector<uint32_t>{};
-}
 
 // Turns one way only, and once around: two changes of the direction in y at most.
 bool isConvex(std::span<const gpu::ScanCorner> polygon) {
@@ -90,17 +70,17 @@ public:
         down_ = -c.up;
         forward_ = c.forward;
         eye_ = c.eye;
-        focal_ = c.focalPixels > 0 ? c.focalPixels
-                                   : double(p_.height) / 2 / std::tan(c.fovYDegrees * 3.14159265358979323846 / 360);
+        // Samples are pixels of a larger canvas: its corners lie on its own grid.
+        list_.width = p_.list.frame.width;
+        list_.height = p_.list.frame.height;
+        focal_ = c.focalPixels > 0 ? c.focalPixels * p_.side
+                                   : double(list_.height) / 2 / std::tan(c.fovYDegrees * 3.14159265358979323846 / 360);
         distance_ = c.focusDistance;
         near_ = double(p_.near);
         unit_ = double(p_.list.viewport.near) / near_;  // the passes' length of a scene unit, a power of two
-        list_.width = int(p_.width);
-        list_.height = int(p_.height);
     }
 
     void draw() {
-        if (p_.side != 1) throw usageError("--fill notes draws one sample a pixel: leave --samples out");
         for (uint32_t r = 0; r < p_.list.ranges.size(); ++r) addObject(r);
         const ScanCanvas canvas = side_.paint(list_);
         result_.counters.drawnTriangles = list_.polygons.size();
@@ -116,25 +96,9 @@ private:
     double zpsOf(double w) const { return distance_ * (w - distance_) / w; }
     double depthOf(float zps) const { return distance_ * distance_ / (distance_ - double(zps)); }
 
-    // Newell's normal of a polygon, and the sum of the magnitudes of what it adds up: 16 u of that bounds its rounding.
-    struct Newell {
-        dvec3 normal{0}, size{0};
-        bool vanishes() const { return glm::all(glm::lessThanEqual(glm::abs(normal), 16 * 0x1p-53 * size)); }
-    };
-    static Newell newellOf(std::span<const dvec3> world) {
-        Newell n;
-        for (size_t i = 0; i < world.size(); ++i) {
-            const dvec3 a = world[i] - world[0], b = world[(i + 1) % world.size()] - world[0];
-            n.normal += glm::cross(a, b);
-            n.size += glm::abs(dvec3(a.y * b.z, a.z * b.x, a.x * b.y)) + glm::abs(dvec3(a.z * b.y, a.x * b.z, a.y * b.x));
-        }
-        return n;
-    }
-
-    // N.V - D > 0 as N.(eye - P0), without root and plane offset; within its rounding it is edge-on, and not visible.
+    // A distant viewer is in the same direction from every polygon (section 3), so that no corner matters.
     bool visible(const Newell& n, const dvec3& corner, bool mirrored) const {
-        const dvec3 toEye = eye_ - corner;
-        return (mirrored ? -1 : 1) * glm::dot(n.normal, toEye) > 16 * 0x1p-53 * glm::dot(n.size, glm::abs(toEye));
+        return n.faces(request_.distantViewer ? -forward_ : eye_ - corner, mirrored);
     }
 
     [[noreturn]] void refuseCrossing(const Object& object, uint32_t faces) const {
@@ -268,8 +232,8 @@ private:
         constexpr double kFar = 0x1p40;  // what is further off is refused or off the canvas anyway
         std::vector<gpu::ScanCorner> corners;
         for (const Corner& c : inFront(polygon)) {
-            const double x = std::nearbyint(double(p_.width) / 2 + focal_ * c.view.x / c.view.z),
-                         y = std::nearbyint(double(p_.height) / 2 + focal_ * c.view.y / c.view.z);
+            const double x = std::nearbyint(double(list_.width) / 2 + focal_ * c.view.x / c.view.z),
+                         y = std::nearbyint(double(list_.height) / 2 + focal_ * c.view.y / c.view.z);
             corners.push_back({float(std::clamp(x, -kFar, kFar)), float(std::clamp(y, -kFar, kFar)),
                                float(zpsOf(c.view.z)), c.carried});
         }
@@ -330,37 +294,65 @@ private:
         write(canvas, covered, linear, normals);
     }
 
-    // Direction to the pixel, forward component 1. The notes' pixel (x, y) is the point (x, y) of the screen, not the middle of a cell.
+    // Direction to the sample, forward component 1. The notes' pixel (x, y) is the point (x, y) of the screen, not the middle of a cell.
     dvec3 pixelRay(size_t i) const {
-        const size_t column = i % p_.width, row = i / p_.width;
-        const double x = double(column) - double(p_.width) / 2, y = double(row) - double(p_.height) / 2;
+        const size_t column = i % size_t(list_.width), row = i / size_t(list_.width);
+        const double x = double(column) - double(list_.width) / 2, y = double(row) - double(list_.height) / 2;
         return forward_ + right_ * (x / focal_) + down_ * (y / focal_);
+    }
+
+    // Place in the picture of a sample, or none when another sample stands for its pixel in the planes beside colour.
+    std::optional<size_t> pixelOf(size_t sample) const {
+        const size_t column = sample % size_t(list_.width), row = sample / size_t(list_.width), side = p_.side;
+        if (column % side != side / 2 || row % side != side / 2) return std::nullopt;
+        return row / side * p_.width + column / side;
     }
 
     void write(const ScanCanvas& canvas, const std::vector<uint32_t>& covered, const std::vector<glm::vec3>& linear,
                const std::vector<glm::vec3>& normals) {
         Frame& out = result_.frame;
         PlaneWriter(p_, request_.planes, out);  // every plane as if nothing were drawn
-        out.coveredPixels = covered.size();
-        if (request_.planes & kPlaneLinear)
-            for (size_t i = 0; i < linear.size(); ++i)
-                std::copy_n(&linear[i].x, 3, out.linear.begin() + ptrdiff_t(3 * i));
+        writeColour(covered, linear);
         for (size_t k = 0; k < covered.size(); ++k) {
             const size_t i = covered[k];
+            const std::optional<size_t> at = pixelOf(i);
+            if (!at) continue;
             const NotesPolygon& from = from_[canvas.owner[i]];
             const double depth = depthOf(canvas.z[i]);
             const dvec3 ray = pixelRay(i);
-            out.rgba[i] = encodePixelCpu(p_.choices.encoding, &linear[i].x, 255);
-            if (request_.planes & kPlaneZ) out.z[i] = float(near_ / depth);
-            if (request_.planes & kPlaneDepth) out.depth[i] = float(depth);
-            if (request_.planes & kPlaneDistance) out.distance[i] = float(depth * std::sqrt(glm::dot(ray, ray)));
-            if (request_.planes & kPlaneNormal) std::copy_n(&normals[k].x, 3, out.normal.begin() + ptrdiff_t(3 * i));
-            if (request_.planes & kPlaneTriangle) out.triangle[i] = from.triangle;
-            if (request_.planes & kPlaneObject) out.object[i] = p_.list.ranges[from.range].sceneObject;
+            if (request_.planes & kPlaneZ) out.z[*at] = float(near_ / depth);
+            if (request_.planes & kPlaneDepth) out.depth[*at] = float(depth);
+            if (request_.planes & kPlaneDistance) out.distance[*at] = float(depth * std::sqrt(glm::dot(ray, ray)));
+            if (request_.planes & kPlaneNormal) std::copy_n(&normals[k].x, 3, out.normal.begin() + ptrdiff_t(3 * *at));
+            if (request_.planes & kPlaneTriangle) out.triangle[*at] = from.triangle;
+            if (request_.planes & kPlaneObject) out.object[*at] = p_.list.ranges[from.range].sceneObject;
             if (request_.planes & kPlanePrimitive)
-                out.primitive[i] = p_.list.facePrimitive[p_.list.ranges[from.range].firstFace + from.face];
+                out.primitive[*at] = p_.list.facePrimitive[p_.list.ranges[from.range].firstFace + from.face];
         }
         result_.counters.bands = result_.counters.chunks = 1;
+    }
+
+    // Encoded and linear colour; samples are resolved in linear light, by the same host code for both sides.
+    void writeColour(const std::vector<uint32_t>& covered, const std::vector<glm::vec3>& linear) {
+        Frame& out = result_.frame;
+        std::vector<float> samples(3 * linear.size());
+        for (size_t i = 0; i < linear.size(); ++i) std::copy_n(&linear[i].x, 3, samples.begin() + ptrdiff_t(3 * i));
+        if (p_.side == 1) {
+            out.coveredPixels = covered.size();
+            for (uint32_t i : covered) out.rgba[i] = encodePixelCpu(p_.choices.encoding, &linear[i].x, 255);
+            if (request_.planes & kPlaneLinear) out.linear = samples;
+            return;
+        }
+        std::vector<int> drawn(linear.size(), 0);
+        std::vector<uint8_t> any(out.rgba.size(), 0);
+        for (uint32_t i : covered) {
+            drawn[i] = 1;
+            any[size_t(i) / size_t(list_.width) / p_.side * p_.width + size_t(i) % size_t(list_.width) / p_.side] = 1;
+        }
+        out.coveredPixels = uint64_t(std::count(any.begin(), any.end(), uint8_t(1)));
+        std::vector<float> resolved(3 * out.rgba.size());
+        resolveCpu(p_.width, p_.height, p_.side, request_.transparent, p_.choices.encoding, samples, drawn, resolved, out.rgba, request_.threads);
+        if (request_.planes & kPlaneLinear) out.linear = resolved;
     }
 
     const Scene& scene_;
@@ -396,7 +388,7 @@ public:
         const Stopwatch watch(&result_.times, "illuminate");
         std::vector<glm::vec4> colours(points.positions.size());
         const gpu::IlluminatePush push{0, 0, uint32_t(colours.size()), std::min(record, uint32_t(objects_.size() - 1)), 0,
-                                       uint32_t(p_.list.lights.size())};
+                                       uint32_t(p_.list.lights.size()), p_.list.towardViewer};
         illuminateCpu(push, p_.choices.parts, points.positions, points.normals, points.materials, objects_,
                       p_.list.materials, p_.list.lights, colours, threads_);
         return colours;
@@ -446,7 +438,7 @@ public:
                 uploaded<uint32_t>(device_, std::span(points.materials).subspan(first, count), "point materials");
             Buffer<glm::vec4> colours(device_, count, "point colours");
             const gpu::IlluminatePush push{0, 0, uint32_t(count), std::min(record, uint32_t(p_.list.objects.size())), 0,
-                                           uint32_t(p_.list.lights.size())};
+                                           uint32_t(p_.list.lights.size()), p_.list.towardViewer};
             recordIlluminate(recorder_, push, p_.choices.parts, exact_, positions, normals, materials, objects_,
                              materials_, lights_, colours);
             recorder_.run(watchdogMs_);

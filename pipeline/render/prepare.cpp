@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/prepare.h"
+
+#include "pipeline/render/polygons.h"
 #include "pipeline/scene/plain_floats.h"
 
 #include "pipeline/passes/encode.h"
@@ -123,7 +125,8 @@ void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double foc
 }
 
 void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinhole& view, std::vector<uint32_t>& materialSlot,
-                  bool unlit) {
+                  const RenderRequest& request) {
+    const bool unlit = request.shading == Shading::unlit;
     const Object& object = scene.objects[index];
     const TriangleMesh& mesh = scene.meshes[object.mesh];
     DrawList::Range r;
@@ -136,7 +139,6 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
     r.firstFace = uint32_t(list.facePositions.size());
     r.faceCount = uint32_t(mesh.faceCentre.size());
     r.firstEdge = uint32_t(list.edges.size());
-    r.edgeCount = uint32_t(mesh.edges.size());
     if (list.positions.size() + mesh.positions.size() > 0x7fffffffu || list.triangles.size() + mesh.triangles.size() > 0x7fffffffu)
         throw inputError(scene.path, "the scene has more than 2^31 vertices or triangles");
     list.objects.push_back(recordOf(object.worldFromObject, view));
@@ -171,7 +173,14 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
                                     r.firstVertex + t.vertex[swap ? 1 : 2], slotOf(mesh.faceMaterial[t.face]));
         list.triangleFace.push_back(r.firstFace + t.face);
     }
-    for (const glm::uvec2& e : mesh.edges) list.edges.push_back(e + r.firstVertex);
+    if (request.shading == Shading::wire) {
+        const bool solid = request.wire == WireView::solid;
+        for (const WireEdge& e : wireEdges(mesh, object.worldFromObject, view.eye, {request.wirePerPolygon || solid, request.wire == WireView::culled})) {
+            list.edges.push_back(e.vertex + r.firstVertex);
+            if (solid) list.edgeFace.push_back(r.firstFace + e.face);
+        }
+        r.edgeCount = uint32_t(list.edges.size() - r.firstEdge);
+    }
     list.ranges.push_back(r);
 }
 
@@ -293,6 +302,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
         list.rayOrigin = glm::vec3(view.forward);
         list.rayX = list.rayY = glm::vec3(0);
     }
+    if (request.distantViewer) list.towardViewer = glm::vec3(-view.forward);
     std::vector<uint32_t> materialSlot(scene.materials.size(), kNone);
     p.counters.objects = scene.objects.size();
     const bool rays = request.shading == Shading::ray;
@@ -307,7 +317,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
             p.plan.dropped.push_back({fmt::format("object {}", object.name.empty() ? std::to_string(i) : object.name), "outside the view"});
             continue;
         }
-        appendObject(list, scene, i, view, materialSlot, request.shading == Shading::unlit);
+        appendObject(list, scene, i, view, materialSlot, request);
     }
     p.counters.objectsDrawn = list.ranges.size();
     if (list.materials.empty()) list.materials.push_back({});
@@ -318,6 +328,12 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     Plan& plan = p.plan;
     if (request.shading == Shading::wire) {
         plan.passes = {"transform", "lines"};
+        if (request.wire == WireView::solid) {
+            plan.passes = {"transform", "cull", "setup", "clip", "bin", "fill", "lines"};
+            plan.choices.push_back("wire: hidden lines are removed by the filled picture's depth and faces, polygon by polygon");
+        }
+        if (request.wire == WireView::culled) plan.choices.push_back("wire: edges of polygons that face the viewer");
+        if (request.wirePerPolygon) plan.choices.push_back("edges: as often as polygons have them");
     } else if (rays) {
         plan.passes = {"trace"};
     } else if (request.fill == Fill::notes) {
@@ -343,6 +359,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
         plan.dropped.push_back({"every pass", "nothing to draw"});
         plan.passes = {"encode"};
     }
+    if (request.distantViewer) plan.choices.push_back("viewer: distant, one vector toward it for every point");
     if (trade.specular == Trade::Specular::schlick) plan.choices.push_back("specular: Schlick's quotient in place of the power");
     if (trade.vectors == Trade::Vectors::scene) plan.choices.push_back("light-vector: one direction to the eye and to each light for the whole scene");
     if (trade.affine) plan.choices.push_back("interpolation: affine");

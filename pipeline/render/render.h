@@ -29,9 +29,12 @@ struct RenderRequest {
     uint32_t width = 640, height = 480;
     Shading shading = Shading::phong;
     Fill fill = Fill::exact;
+    WireView wire = WireView::seeThrough;
+    bool wirePerPolygon = false;          // each edge as often as polygons have it (section 2 of the notes); WireView::solid always does
     Encoding encoding = Encoding::srgb;
     uint32_t samples = 1;                 // 1, 4, 16: ordered grid
     Trade trade;
+    bool distantViewer = false;           // one vector toward the viewer for all points (raster shadings); --fill notes also culls by it
     glm::vec3 background{0.0f};           // linear RGB
     bool transparent = false;             // RGBA output, background alpha 0
     uint32_t planes = kPlaneColour;       // Plane bits

@@ -47,7 +47,7 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
         return result;
     }
     if (request.shading == Shading::wire) {
-        drawWireCpu(p, request, result);
+        drawWireCpu(scene, p, request, result);
         result.totalMs = total.elapsedMs();
         return result;
     }

@@ -27,7 +27,7 @@ TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool
         if (!gouraud) g.faceColours.resize(list.facePositions.size());
         for (const DrawList::Range& r : list.ranges) {
             const gpu::IlluminatePush push{0, gouraud ? r.firstVertex : r.firstFace, gouraud ? r.vertexCount : r.faceCount, r.record, 0,
-                                           uint32_t(list.lights.size())};
+                                           uint32_t(list.lights.size()), list.towardViewer};
             if (gouraud)
                 illuminateCpu(push, choices.parts, list.positions, list.normals, list.vertexMaterial, list.objects, list.materials,
                               list.lights, g.carried, threads);

@@ -22,10 +22,42 @@ gpu::LinesPush linesPush(const Prepared& p, const DrawList::Range& r) {
     push.height = p.list.frame.height;
     push.rows = p.list.frame.height;
     push.rowPixels = uint32_t(p.list.frame.width);
+    push.surfaceRows = p.list.frame.height;
     push.viewport = p.list.viewport;
     push.viewport.guardX = p.list.viewport.centreX + 1.0f;
     push.viewport.guardY = p.list.viewport.centreY + 1.0f;
     return push;
+}
+
+// What the filled picture shows at each sample of the frame: bits of z, and the face in the draw list. Drawn by the passes of the fill on the same
+// side, and counted and timed with the lines. Empty where hidden lines are drawn as well.
+template <class Render>
+std::vector<glm::uvec2> surfacesOf(const Scene& scene, const Prepared& p, const RenderRequest& request, RenderResult& result, const Render& render) {
+    if (request.wire != WireView::solid) return {};
+    RenderRequest filled = request;
+    filled.shading = Shading::unlit;
+    filled.fill = Fill::exact;
+    filled.width = uint32_t(p.list.frame.width);   // a sample is a pixel of this picture
+    filled.height = uint32_t(p.list.frame.height);
+    filled.samples = 1;
+    filled.transparent = false;
+    filled.planes = kPlaneColour | kPlaneZ | kPlaneTriangle;
+    RenderResult seen;
+    if (p.side > 1 && scene.camera->focalPixels > 0) {
+        Scene larger = scene;
+        larger.camera->focalPixels *= p.side;
+        seen = render(larger, filled);
+    } else {
+        seen = render(scene, filled);
+    }
+    std::vector<glm::uvec2> surfaces(seen.frame.z.size());
+    for (size_t i = 0; i < surfaces.size(); ++i) {
+        const uint32_t triangle = seen.frame.triangle[i];
+        surfaces[i] = {gpu::ubitsOf(seen.frame.z[i]), triangle == kNone ? gpu::kNoFace : p.list.triangleFace[triangle]};
+    }
+    result.counters = seen.counters;
+    result.times = seen.times;
+    return surfaces;
 }
 
 void checkSize(const Prepared& p) {
@@ -65,24 +97,27 @@ void finishWire(const Prepared& p, const RenderRequest& request, std::span<const
                 if (edge >= r.firstEdge && edge < r.firstEdge + r.edgeCount) out.object[size_t(y) * p.width + x] = r.sceneObject;
         }
     result.counters.edges = p.list.edges.size();
-    result.counters.bands = result.counters.chunks = 1;
+    if (request.wire != WireView::solid) result.counters.bands = result.counters.chunks = 1;
 }
 
 }  // namespace
 
-void drawWireCpu(const Prepared& p, const RenderRequest& request, RenderResult& result) {
+void drawWireCpu(const Scene& scene, const Prepared& p, const RenderRequest& request, RenderResult& result) {
     checkSize(p);
+    const std::vector<glm::uvec2> surfaces = surfacesOf(scene, p, request, result, renderCpu);
     std::vector<uint32_t> owners(size_t(p.list.frame.width) * size_t(p.list.frame.height), gpu::kNoEdge);
     {
         const Stopwatch watch(&result.times, "lines");
         for (const DrawList::Range& r : p.list.ranges)
-            linesCpu(linesPush(p, r), p.list.edges, p.list.positions, p.list.objects, owners);
+            linesCpu(linesPush(p, r), p.list.edges, p.list.positions, p.list.objects, owners, {p.list.edgeFace, surfaces});
     }
     finishWire(p, request, owners, result);
 }
 
-void drawWireGpu(Device& device, const Prepared& p, const RenderRequest& request, RenderResult& result) {
+void drawWireGpu(Device& device, const Scene& scene, const Prepared& p, const RenderRequest& request, RenderResult& result) {
     checkSize(p);
+    const std::vector<glm::uvec2> surfaces =
+        surfacesOf(scene, p, request, result, [&device](const Scene& s, const RenderRequest& r) { return renderGpu(device, s, r); });
     const DeviceLimits& limits = device.limits();
     const Specialization exact{{0, device.selfTest().nativeDivideIsExact}, {1, device.selfTest().nativeRootIsExact}};
     Recorder recorder(device);
@@ -90,7 +125,9 @@ void drawWireGpu(Device& device, const Prepared& p, const RenderRequest& request
     std::vector<uint32_t> all(size_t(pitch) * size_t(p.list.frame.height), gpu::kNoEdge);
     Buffer<gpu::ObjectRecord> objects(device, std::max<size_t>(1, p.list.objects.size()), "objects");
     objects.upload(p.list.objects);
-    uint64_t bandRows = std::max<uint64_t>(1, std::min(limits.storageRangeBytes / 4, limits.texelElements) / pitch);
+    // A pixel of the surfaces has two words, and a band the rows beside it.
+    const uint64_t fitting = std::min(limits.storageRangeBytes / (surfaces.empty() ? 4 : 8), limits.texelElements) / pitch;
+    uint64_t bandRows = surfaces.empty() ? std::max<uint64_t>(1, fitting) : std::max<uint64_t>(3, fitting) - 2;
     if (request.bandRows) bandRows = std::min<uint64_t>(bandRows, request.bandRows);
     // Edges in chunks, each with the vertices that its edges name.
     uint64_t chunkEdges = std::max<uint64_t>(1, std::min(limits.storageRangeBytes / 32, limits.texelElements / 2));
@@ -99,6 +136,9 @@ void drawWireGpu(Device& device, const Prepared& p, const RenderRequest& request
         const uint64_t rows = std::min(bandRows, uint64_t(p.list.frame.height) - firstRow);
         Buffer<uint32_t> owners(device, rows * pitch, "edge owners");
         owners.fill(gpu::kNoEdge);
+        const uint64_t surfaceFirst = firstRow > 0 ? firstRow - 1 : 0, surfaceEnd = std::min(firstRow + rows + 1, uint64_t(p.list.frame.height));
+        Buffer<glm::uvec2> surfaceBand(device, surfaces.empty() ? 1 : (surfaceEnd - surfaceFirst) * pitch, "surfaces");
+        if (!surfaces.empty()) surfaceBand.upload(std::span(surfaces).subspan(surfaceFirst * pitch, (surfaceEnd - surfaceFirst) * pitch));
         for (const DrawList::Range& r : p.list.ranges)
             for (uint64_t first = 0; first < r.edgeCount; first += chunkEdges) {
                 const uint64_t count = std::min<uint64_t>(chunkEdges, r.edgeCount - first);
@@ -116,12 +156,22 @@ void drawWireGpu(Device& device, const Prepared& p, const RenderRequest& request
                 push.edgeNumber = uint32_t(r.firstEdge + first);
                 push.firstRow = int(firstRow);
                 push.rows = int(rows);
-                recordLines(recorder, push, exact, edges, positions, objects, owners);
+                if (surfaces.empty()) {
+                    recordLines(recorder, push, exact, edges, positions, objects, owners);
+                    recorder.run(request.watchdogMs);
+                    continue;
+                }
+                push.surfaceRow = int(surfaceFirst);
+                push.surfaceRows = int(surfaceEnd - surfaceFirst);
+                Buffer<uint32_t> edgeFaces(device, count, "edge faces");
+                edgeFaces.upload(std::span(p.list.edgeFace).subspan(r.firstEdge + first, count));
+                recordHiddenLines(recorder, push, exact, edges, positions, objects, owners, edgeFaces, surfaceBand);
                 recorder.run(request.watchdogMs);
             }
         std::copy_n(owners.span().begin(), rows * pitch, all.begin() + ptrdiff_t(firstRow * pitch));
     }
-    result.times = recorder.takeTimes();
+    const std::vector<PassTime> lines = recorder.takeTimes();
+    result.times.insert(result.times.end(), lines.begin(), lines.end());
     finishWire(p, request, all, result);
 }
 

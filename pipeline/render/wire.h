@@ -6,7 +6,7 @@
 
 namespace plumb {
 
-void drawWireCpu(const Prepared& prepared, const RenderRequest& request, RenderResult& result);
-void drawWireGpu(Device& device, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
+void drawWireCpu(const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
+void drawWireGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
 
 }  // namespace plumb

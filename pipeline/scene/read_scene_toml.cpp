@@ -4,6 +4,8 @@
 // points outward there just as for counter-clockwise lists in a right-handed world, so finishMesh serves both.
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/affine.h"
+#include "pipeline/scene/area_light.h"
+#include "pipeline/scene/colour.h"
 #include "pipeline/scene/sha256.h"
 #include "pipeline/scene/text.h"
 #include "pipeline/transform/steps.h"
@@ -12,6 +14,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <toml++/toml.h>
@@ -33,10 +36,9 @@ constexpr int64_t kMaxRayDepth = 64;     // counters of rays are kept a depth
 // Weights that add up to 1 in decimals may exceed it by a rounding of each.
 constexpr double kLargestWeightSum = 1 + 4 * 0x1p-53;
 
-// An 8-bit sRGB channel as linear light (IEC 61966-2-1): v^2.4 = v^2 (v^(1/5))^2, the root by Newton, again with
+// A channel encoded as sRGB, 0 to 1, as linear light (IEC 61966-2-1): v^2.4 = v^2 (v^(1/5))^2, the root by Newton, again with
 // + - * / alone. From 1 the iteration falls monotonically to the root, 0.6 or more, in fewer than 32 steps.
-float linearOfSrgb(int level) {
-    const double encoded = level / 255.0;
+float linearOfSrgb(double encoded) {
     if (encoded <= 0.04045) return float(encoded / 12.92);
     const double v = (encoded + 0.055) / 1.055;
     double root = 1;
@@ -133,6 +135,7 @@ private:
     dvec3 vectorOf(const toml::node& node, const std::string& field) const;
     dvec3 axisOf(const toml::node& node, const std::string& field) const;
     glm::vec3 colourOf(const toml::node& node, const std::string& field, double most) const;
+    glm::vec3 inkOf(const toml::table& table, const std::string& field) const;
     template <class T>
     T choiceOf(const toml::node& node, const std::string& field,
                std::initializer_list<std::pair<std::string_view, T>> choices) const;
@@ -147,6 +150,7 @@ private:
     void readSphere(const toml::table& table);
     void readPlane(const toml::table& table);
     void readLight(const toml::table& table);
+    void readArea(const toml::table& table, const Light& light);
     void readMesh(const toml::table& table);
     uint32_t readInlineMesh(const toml::table& table, const std::string& name, const LoadOptions& options);
     void readObject(const toml::table& table, int parent, int depth);
@@ -315,23 +319,31 @@ dvec3 SceneFile::axisOf(const toml::node& node, const std::string& field) const 
     return v;
 }
 
-// One number for grey, three for linear RGB, or "#rrggbb", which is sRGB as in every colour picker.
+// Inks, { cmy = [c, m, y] } or { cmyk = [c, m, y, k] }: they leave (1 - C) (1 - K) of the encoded red, and so on.
+glm::vec3 SceneFile::inkOf(const toml::table& table, const std::string& field) const {
+    allowKeys(table, field, {"cmy", "cmyk"});
+    const bool black = table.contains("cmyk");
+    if (table.size() != 1) refuse(table, fmt::format("{} holds {} inks; write {{ cmy = [c, m, y] }} or {{ cmyk = [c, m, y, k] }}", field, table.size()));
+    const std::string name = field + (black ? ".cmyk" : ".cmy");
+    const toml::node& node = *table.get(black ? "cmyk" : "cmy");
+    const toml::array& array = arrayOf(node, name);
+    const size_t count = black ? 4 : 3;
+    if (array.size() != count) refuse(node, fmt::format("{} has {} numbers, not {}", name, array.size(), count));
+    double ink[4] = {};
+    for (size_t i = 0; i < count; ++i) ink[i] = numberOf(array[i], fmt::format("{}[{}]", name, i), 0, 1);
+    const dvec3 rgb = rgbFromCmyk(Cmyk{ink[0], ink[1], ink[2], ink[3]});
+    return {linearOfSrgb(rgb.r), linearOfSrgb(rgb.g), linearOfSrgb(rgb.b)};
+}
+
+// One number for grey, three for linear RGB, "#rrggbb", which is sRGB as in every colour picker, or inks.
 glm::vec3 SceneFile::colourOf(const toml::node& node, const std::string& field, double most) const {
     if (const auto* text = node.as_string()) {
-        const std::string& word = text->get();
-        const auto digit = [](char c) {
-            return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-        };
-        bool hexadecimal = word.size() == 7 && word[0] == '#';
-        for (size_t i = 1; hexadecimal && i < 7; ++i) hexadecimal = digit(word[i]) >= 0;
-        if (!hexadecimal)
-            refuse(node, fmt::format("{} is '{}', not a number, [r, g, b] or \"#rrggbb\"", field, printable(word, 40)));
-        glm::vec3 colour;
-        for (int i = 0; i < 3; ++i) {
-            colour[i] = linearOfSrgb(digit(word[2 * size_t(i) + 1]) * 16 + digit(word[2 * size_t(i) + 2]));
-        }
-        return colour;
+        const std::optional<Rgb8> rgb = rgbOfHex(text->get());
+        if (!rgb)
+            refuse(node, fmt::format("{} is '{}', not a number, [r, g, b] or \"#rrggbb\"", field, printable(text->get(), 40)));
+        return {linearOfSrgb((*rgb)[0] / 255.0), linearOfSrgb((*rgb)[1] / 255.0), linearOfSrgb((*rgb)[2] / 255.0)};
     }
+    if (const auto* table = node.as_table()) return inkOf(*table, field);
     if (!node.is_array()) return glm::vec3(float(numberOf(node, field, 0, most)));
     const toml::array& array = *node.as_array();
     if (array.size() != 3) refuse(node, fmt::format("{} has {} numbers, not 3", field, array.size()));
@@ -377,6 +389,10 @@ void SceneFile::readSettings(const toml::table& root) {
     if (const auto* node = root.get("min_weight")) scene_.minWeight = numberOf(*node, "min_weight", 0, 1);
     if (const auto* node = root.get("shadows")) scene_.shadows = booleanOf(*node, "shadows");
     if (const auto* node = root.get("fill")) scene_.fill = choiceOf<Fill>(*node, "fill", {{"exact", Fill::exact}, {"notes", Fill::notes}});
+    if (const auto* node = root.get("wire"))
+        scene_.wire = choiceOf<WireView>(*node, "wire", {{"see-through", WireView::seeThrough}, {"culled", WireView::culled}, {"solid", WireView::solid}});
+    if (const auto* node = root.get("edges")) scene_.wirePerPolygon = choiceOf<bool>(*node, "edges", {{"once", false}, {"polygons", true}});
+    if (const auto* node = root.get("viewer")) scene_.distantViewer = choiceOf<bool>(*node, "viewer", {{"local", false}, {"distant", true}});
     if (const auto* node = root.get("cull")) scene_.cullBackFaces = booleanOf(*node, "cull");
     if (const auto* node = root.get("size")) {
         const toml::array& size = arrayOf(*node, "size");
@@ -495,24 +511,57 @@ uint32_t SceneFile::materialNamed(const toml::node& node, const std::string& fie
 }
 
 void SceneFile::readLight(const toml::table& table) {
-    allowKeys(table, "[[light]]", {"type", "direction", "position", "intensity", "attenuation"});
-    Light light;
-    light.directional = choiceOf<bool>(required(table, "type", "light"), "light.type", {{"directional", true}, {"point", false}});
-    if (light.directional) {
+    allowKeys(table, "[[light]]", {"type", "direction", "position", "edge_u", "edge_v", "points", "intensity", "attenuation"});
+    enum class Kind { directional, point, area };
+    const Kind kind = choiceOf<Kind>(required(table, "type", "light"), "light.type",
+                                     {{"directional", Kind::directional}, {"point", Kind::point}, {"area", Kind::area}});
+    if (kind == Kind::directional)
         for (const char* key : {"position", "attenuation"})
-            if (const auto* node = table.get(key))
-                refuse(*node, fmt::format("light.{} needs type = \"point\"", key));
-        light.direction = axisOf(required(table, "direction", "directional light"), "light.direction");
-    } else {
+            if (const auto* node = table.get(key)) refuse(*node, fmt::format("light.{} needs type = \"point\"", key));
+    if (kind != Kind::directional)
         if (const auto* node = table.get("direction")) refuse(*node, "light.direction needs type = \"directional\"");
-        light.position = vectorOf(required(table, "position", "point light"), "light.position");
-        if (const auto* node = table.get("attenuation"))
-            light.attenuation = choiceOf<Attenuation>(*node, "light.attenuation",
-                                                      {{"none", Attenuation::none}, {"1/d", Attenuation::inverse},
-                                                       {"1/d^2", Attenuation::inverseSquare}});
-    }
+    if (kind != Kind::area)
+        for (const char* key : {"edge_u", "edge_v", "points"})
+            if (const auto* node = table.get(key)) refuse(*node, fmt::format("light.{} needs type = \"area\"", key));
+    Light light;
+    light.directional = kind == Kind::directional;
     if (const auto* node = table.get("intensity")) light.intensity = colourOf(*node, "light.intensity", kMaxCoordinate);
-    scene_.lights.push_back(light);
+    if (const auto* node = table.get("attenuation"))
+        light.attenuation = choiceOf<Attenuation>(*node, "light.attenuation",
+                                                  {{"none", Attenuation::none}, {"1/d", Attenuation::inverse}, {"1/d^2", Attenuation::inverseSquare}});
+    if (light.directional) light.direction = axisOf(required(table, "direction", "directional light"), "light.direction");
+    if (kind == Kind::point) light.position = vectorOf(required(table, "position", "point light"), "light.position");
+    if (kind == Kind::area)
+        readArea(table, light);
+    else
+        scene_.lights.push_back(light);
+}
+
+// A lamp with a size becomes points: k along a line, m times n on a rectangle.
+void SceneFile::readArea(const toml::table& table, const Light& light) {
+    AreaLight area;
+    area.intensity = light.intensity;
+    area.attenuation = light.attenuation;
+    area.corner = vectorOf(required(table, "position", "area light"), "light.position");
+    area.u = axisOf(required(table, "edge_u", "area light"), "light.edge_u");
+    const auto* second = table.get("edge_v");
+    if (second) area.v = axisOf(*second, "light.edge_v");
+    const toml::node& points = required(table, "points", "area light");
+    if (second) {
+        const toml::array& counts = arrayOf(points, "light.points");
+        if (counts.size() != 2) refuse(points, fmt::format("light.points has {} numbers, not 2: along edge_u and along edge_v", counts.size()));
+        area.pointsU = uint32_t(integerOf(counts[0], "light.points[0]", 1, kMaxAreaPoints));
+        area.pointsV = uint32_t(integerOf(counts[1], "light.points[1]", 1, kMaxAreaPoints));
+    } else {
+        area.pointsU = uint32_t(integerOf(points, "light.points", 1, kMaxAreaPoints));
+    }
+    if (area.pointsU * area.pointsV > kMaxAreaPoints)
+        refuse(points, fmt::format("light.points makes {} points; an area light has at most {}", area.pointsU * area.pointsV, kMaxAreaPoints));
+    for (const Light& point : pointsOf(area)) {
+        if (!(std::max({std::abs(point.position.x), std::abs(point.position.y), std::abs(point.position.z)}) <= kMaxCoordinate))
+            refuse(table, "light: a point of it has a coordinate above 2^100");
+        scene_.lights.push_back(point);
+    }
 }
 
 void SceneFile::readSphere(const toml::table& table) {
@@ -876,7 +925,7 @@ Scene SceneFile::read() {
     } catch (const toml::parse_error& error) {
         throw inputError(place(error.source()), "TOML: " + printable(error.description()));
     }
-    allowKeys(root, "the scene", {"handedness", "up", "ambient", "background", "encoding", "shading", "fill", "size", "cull",
+    allowKeys(root, "the scene", {"handedness", "up", "ambient", "background", "encoding", "shading", "fill", "wire", "edges", "viewer", "size", "cull",
                                   "max_depth", "min_weight", "shadows", "camera", "material", "light", "mesh", "object", "sphere", "plane"});
     scene_.path = path_.string();
     scene_.sha256 = sha256Hex(std::as_bytes(std::span(text)));

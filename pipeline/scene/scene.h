@@ -11,6 +11,7 @@ namespace plumb {
 
 enum class Shading { wire, unlit, flat, gouraud, phong, ray };
 enum class Fill { exact, notes };  // 8 sub-pixel bits and the top-left rule, or the polygon fill of the lecture notes
+enum class WireView { seeThrough, culled, solid };  // every edge; of polygons that face the viewer; hidden lines removed
 enum class Encoding { srgb, linear };
 enum class Attenuation { none, inverse, inverseSquare };
 
@@ -79,6 +80,9 @@ struct Scene {
     std::optional<Shading> shading;   // what the file asks for; the command line overrides
     std::optional<Fill> fill;
     std::optional<Encoding> encoding;
+    std::optional<WireView> wire;         // what a wire frame shows
+    std::optional<bool> wirePerPolygon;   // each edge as often as polygons have it
+    std::optional<bool> distantViewer;    // the viewer counts as infinitely far away when a point is lit (section 3 of the notes)
     bool cullBackFaces = true;
     glm::uvec2 size{0};               // 0: not stated
     std::vector<std::string> ignored; // asked for by a file and not drawn (JSON scene.ignored)

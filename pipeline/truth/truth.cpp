@@ -44,7 +44,7 @@ public:
         const std::vector<Triangle>& triangles = geometry_.triangles();
         for (uint32_t t = 0; t < triangles.size(); ++t)
             for (int j = std::max(first, triangles[t].firstRow); j <= std::min(last, triangles[t].lastRow); ++j)
-                for (int i = triangles[t].firstColumn; i <= triangles[t].lastColumn; ++i) {
+                for (int i = triangles[t].firstColumn; i <= std::min(triangles[t].lastColumn, width - 1); ++i) {
                     uint32_t& best = seen_[size_t(j - first) * size_t(width) + size_t(i)];
                     if (!judge_.hits(t, x(i), y(j))) continue;
                     if (best == kNone || judge_.nearer(t, best, x(i), y(j))) best = t;
@@ -119,7 +119,10 @@ Truth truthOf(const Scene& scene, const RenderRequest& request) {
     out.depth.assign(pixels, INFINITY);
     out.object.assign(pixels, kNone);
     out.primitive.assign(pixels, kNone);
-    const Geometry geometry(scene, Pinhole(*scene.camera, out.width, out.height, side));
+    Pinhole pinhole(*scene.camera, out.width, out.height, side);
+    // The notes' fill paints the point (x, y) of the screen, not the middle of a cell: its samples are those of a frame that is one sample larger.
+    if (request.fill == Fill::notes) pinhole.width += 1, pinhole.height += 1;
+    const Geometry geometry(scene, pinhole);
     const Illumination illumination(scene, geometry);
 
     const uint32_t bands = (out.height + kBandRows - 1) / kBandRows;

@@ -20,7 +20,7 @@ struct Truth {
     double timeMs = 0;
 };
 
-// Of `request`: size, samples, background, transparent, threads and onProgress (called by one thread; false cancels: Error(interrupted)). Its shading
+// Of `request`: size, samples, fill (--fill notes has its samples at whole coordinates), background, transparent, threads and onProgress (called by one thread; false cancels: Error(interrupted)). Its shading
 // changes nothing, since the truth is Phong's. A wire frame has no truth here: Error(usage).
 Truth truthOf(const Scene& scene, const RenderRequest& request);
 

@@ -83,6 +83,7 @@ struct FillPush {
     float near;
     vec3 rayOrigin, rayX, rayY;         // direction to pixel (x, y), forward component 1: rayOrigin + rayX x + rayY y
     vec3 backgroundLinear;
+    vec3 toward;                        // unit vector toward a distant viewer, world axes; 0: rays say where the viewer is
 };
 
 SHARED_FN Real rayAt(float origin, float perX, float perY, Real x, float y) { return (real(origin) + x * perX) + real(y * perY); }

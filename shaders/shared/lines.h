@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Contract of the lines pass (wire frame): each edge once, clipped to the near plane and to the frame in clip space, then stepped by
 // an exact integer DDA: along its major axis, pixel centres in [from, to), the other coordinate floor of the exact line.
-// Where lines cross, the lowest edge owns the pixel, whatever the order of drawing.
+// Where lines cross, the lowest edge owns the pixel, whatever the order of drawing. Hidden lines are removed pixel by pixel by lineShows().
 #ifndef PLUMB_LINES_H
 #define PLUMB_LINES_H
 #include "transform.h"
@@ -15,6 +15,7 @@ struct LinesPush {
     uint rowPixels;                     // pitch of the owner plane
     int width, height;
     int firstRow, rows;                 // of the band
+    int surfaceRow, surfaceRows;        // rows of the frame that the surfaces at hand have (hidden lines removed)
     Viewport viewport;                  // guardX, guardY: half the frame and one pixel
 };
 
@@ -58,6 +59,7 @@ struct LineWalk {
     int offset;                         // from the lower end to the first pixel centre, sub-pixels, 0..255
     int rise, run;                      // sub-pixels, run > 0
     int steep;                          // 1: major axis is y
+    int swapped;                        // 1: the lower end is the second one
 };
 
 SHARED_FN LineWalk walkLine(ivec2 a, ivec2 b) {
@@ -72,6 +74,7 @@ SHARED_FN LineWalk walkLine(ivec2 a, ivec2 b) {
     int high = pick(swapped, majorA, majorB);
     LineWalk w;
     w.steep = pick(steep, 1, 0);
+    w.swapped = pick(swapped, 1, 0);
     w.start = pick(swapped, minorB, minorA);
     w.rise = pick(swapped, minorA, minorB) - w.start;
     w.run = max(high - low, 1);  // no plant: a line without length has no pixel; 1 keeps its division defined
@@ -80,6 +83,34 @@ SHARED_FN LineWalk walkLine(ivec2 a, ivec2 b) {
     w.count = firstPixel(high) - w.first;
     w.offset = w.first * kSubpixels + kHalfPixel - low;
     return w;
+}
+
+// Depth along a line: z = near / w is linear on the screen. Low and high end as in LineWalk; the slope is that of one sub-pixel.
+struct LineDepth {
+    float start, slope;
+};
+SHARED_FN LineDepth lineDepth(float z0, float z1, LineWalk w) {
+    LineDepth d;
+    d.start = pick(w.swapped == 1, z1, z0);
+    float end = pick(w.swapped == 1, z0, z1);
+    d.slope = exactDivide(end - d.start, float(w.run));
+    return d;
+}
+// z bits at pixel k of the walk: at the point of the line on the centre of the pixel's column (row when steep). It never leaves the range of
+// the ends: at most run - 1 <= 2^22 - 1 sub-pixels from the start, the product is below (1 + 2^-24)^3 (1 - 2^-22) < 1 of the difference, and
+// rounding keeps order.
+SHARED_FN int lineDepthAt(LineDepth d, LineWalk w, int k) {
+    return bitsOf(d.start + d.slope * float(w.offset + kSubpixels * k));
+}
+
+// What is seen of the filled picture at a pixel: bits of z (0: nothing), and the face (kNoFace: nothing).
+SHARED_CONST uint kNoFace = 0xffffffffu;
+
+// Hidden lines: a pixel of an edge shows when the edge's own polygon is seen there, or at a neighbour across the line (the pixel before or
+// after it along the minor axis: the line runs between these centres, and its polygon may begin beyond it), or when the line is not behind what
+// is seen there. No tolerance in depth is needed: where the edge lies in the seen surface, it is the surface's own.
+SHARED_FN bool lineShows(int lineZ, uint edgeFace, uvec2 here, uvec2 before, uvec2 after) {
+    return here.y == edgeFace || before.y == edgeFace || after.y == edgeFace || lineZ >= int(here.x);
 }
 
 SHARED_END

@@ -130,6 +130,17 @@ SHARED_FN void unitVector(INOUT(Real) x, INOUT(Real) y, INOUT(Real) z) {
     z = z * inverse;
 }
 
+// The vector toward the viewer, left unnormalised in s: made unit, or for a distant viewer (section 3 of the notes) the same unit vector everywhere.
+SHARED_FN void seeFrom(bool distant, vec3 toward, INOUT(Surface) s) {
+    if (distant) {
+        s.vx = real(toward.x);
+        s.vy = real(toward.y);
+        s.vz = real(toward.z);
+    } else {
+        unitVector(s.vx, s.vy, s.vz);
+    }
+}
+
 // Adds one light. R = 2 (N.L) N - L; delta = |R - V|^2 / 2 = 1 - R.V for unit vectors, without cancellation near the highlight.
 SHARED_FN void addLight(vec4 place, vec4 intensity, Surface s, Reflectance k, ShadeParts parts, INOUT(Colour) c) {
     Real lx = real(place.x);

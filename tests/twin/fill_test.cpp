@@ -8,8 +8,9 @@ namespace {
 
 class FillTwin : public SceneRows {};
 
-void compareFill(Device& device, const SceneCase& row, const Scene& scene, Shading shading, Encoding encoding, int bandRows) {
+void compareFill(Device& device, const SceneCase& row, const Scene& scene, Shading shading, Encoding encoding, int bandRows, bool distantViewer = false) {
     RenderRequest request = requestOf(row, shading);
+    request.distantViewer = distantViewer;
     request.encoding = encoding;
     request.background = {0.1f, 0.5f, 0.02f};
     PassFrame f(device, scene, request);
@@ -131,6 +132,10 @@ TEST_F(FillVariant, TwentyThousandLightsAreNoLimit) {
         EXPECT_EQ(want.normal, got.normal);
         EXPECT_EQ(want.triangle, got.triangle);
     }
+}
+TEST_F(FillVariant, ADistantViewer) {
+    const SceneCase row{"soupLarge", soupLarge, 131, 67};
+    for (Shading shading : {Shading::flat, Shading::gouraud, Shading::phong}) compareFill(device(), row, row.scene(), shading, Encoding::srgb, int(row.height), true);
 }
 
 // Equal depths: the lower triangle wins, whatever the order in which a tile's list holds them.

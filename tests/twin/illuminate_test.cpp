@@ -11,6 +11,7 @@ struct Row {
     uint32_t first, count, lights;
     bool diffuse, specular, point;
     uint32_t power = gpu::kPowerExact;
+    bool distant = false;
 };
 std::ostream& operator<<(std::ostream& out, const Row& r) { return out << r.name; }
 
@@ -60,7 +61,8 @@ TEST_P(IlluminateTwin, LeavesTheSameBytes) {
             l.place = {gpu::rowTimesPoint(o.world0, p), gpu::rowTimesPoint(o.world1, p), gpu::rowTimesPoint(o.world2, p)};
         }
     const gpu::ShadeParts parts{row.diffuse, row.specular, row.point, row.power};
-    const gpu::IlluminatePush push{0, row.first, row.count, 1, 0, uint32_t(lights.size())};
+    const gpu::IlluminatePush push{0, row.first, row.count, 1, 0, uint32_t(lights.size()),
+                                   row.distant ? glm::vec3(0.6f, 0, 0.8f) : glm::vec3(0)};
     std::vector<glm::vec4> want(total);
     illuminateCpu(push, parts, positions, normals, material, objects, materials, lights, want, 1);
     for (const Specialization& exact : exactForms(device())) {
@@ -93,6 +95,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, IlluminateTwin,
                                            Row{"diffuse_only", 0, 257, 9, true, false, true},
                                            Row{"specular_only", 0, 257, 9, false, true, true},
                                            Row{"schlick", 0, 257, 9, true, true, true, gpu::kPowerSchlick},
+                                           Row{"distant_viewer", 0, 257, 9, true, true, true, gpu::kPowerExact, true},
                                            Row{"neither", 0, 257, 9, false, false, true},
                                            Row{"directional_only", 0, 257, 1, true, true, false},
                                            Row{"forty_lights", 0, 131, 40, true, true, true},

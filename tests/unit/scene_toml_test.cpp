@@ -93,6 +93,35 @@ TEST(SceneToml, HexColoursAreSrgb) {
     EXPECT_EQ(m.ambient, glm::vec3(0.5f)) << "a number is linear grey";
 }
 
+TEST(SceneToml, InksAreWhatTheyLeaveOfTheEncodedColour) {
+    const auto diffuse = [](const std::string& colour) { return load("[[material]]\nname = 'm'\ndiffuse = " + colour + "\n" + kTriangle).materials.at(1).diffuse; };
+    EXPECT_EQ(diffuse("{ cmy = [1, 0, 0] }"), diffuse("'#00ffff'"));
+    EXPECT_EQ(diffuse("{ cmy = [0.2, 0.4, 0.6] }"), diffuse("'#cc9966'"));
+    EXPECT_EQ(diffuse("{ cmyk = [0, 0, 0, 0.2] }"), diffuse("'#cccccc'"));
+    EXPECT_EQ(diffuse("{ cmyk = [0, 1, 1, 0] }"), diffuse("'#ff0000'"));
+    EXPECT_EQ(diffuse("{ cmyk = [0.3, 0.2, 0.1, 1] }"), glm::vec3(0)) << "full black leaves nothing";
+}
+
+TEST(SceneToml, AnAreaLightIsReadAsItsPoints) {
+    const std::string lamp = "[[light]]\ntype = 'area'\nposition = [1, 2, 3]\nedge_u = [4, 0, 0]\nintensity = 8\n";
+    const Scene line = load(lamp + "points = 2\n" + kTriangle);
+    ASSERT_EQ(line.lights.size(), 2u);
+    EXPECT_EQ(line.lights[1].position, dvec3(4, 2, 3));
+    EXPECT_EQ(line.lights[1].intensity, glm::vec3(4));
+    const Scene rectangle = load(lamp + "edge_v = [0, 0, 2]\npoints = [64, 64]\nattenuation = '1/d'\n" + kTriangle);
+    ASSERT_EQ(rectangle.lights.size(), 4096u) << "as many as one may have";
+    EXPECT_EQ(rectangle.lights[0].attenuation, Attenuation::inverse);
+}
+
+TEST(SceneToml, ChoicesOfDrawingAreRead) {
+    const Scene scene = load("wire = 'solid'\nedges = 'polygons'\nviewer = 'distant'\n" + kTriangle);
+    EXPECT_EQ(scene.wire, WireView::solid);
+    EXPECT_EQ(scene.wirePerPolygon, true);
+    EXPECT_EQ(scene.distantViewer, true);
+    const Scene plain = load(kTriangle);
+    EXPECT_FALSE(plain.wire || plain.wirePerPolygon || plain.distantViewer);
+}
+
 TEST(SceneToml, TheNotesViewerStandsAtMinusD) {
     const Camera camera = load("handedness = 'left'\n[camera]\ndistance = 500\nnear = 2\n" + kTriangle).camera.value();
     EXPECT_EQ(camera.eye, dvec3(0, 0, -500));

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// Two eyes instead of one camera (section 3 of the notes: two images from slightly different viewpoints).
+// Both look along the camera's own direction, half the separation to its left and right, so no point is higher for one eye than for the other. Each
+// sees a window that is moved by whole pixels, so that what lies at the distance to the framed centre is at the same place for both (within half
+// a pixel each): nearer things stand before the screen, farther ones behind it. The parallax in pixels at depth w is focal * separation * (1/w - 1/focus).
+#pragma once
+
+#include "pipeline/command/renderer.h"
+#include "pipeline/command/views.h"
+
+namespace plumb {
+
+struct Stereo {
+    StereoForm form = StereoForm::none;
+    double separation = 0;  // scene units
+    uint32_t shift = 0;     // pixels: each eye is drawn 2 * shift columns wider than the picture
+
+    // Throws Error(usage) when the eyes are so far apart that their windows do not overlap.
+    Stereo(const Options&, const Camera&, glm::uvec2 size);
+    Json json() const;
+};
+
+enum class Eye { left, right };
+const char* nameOf(Eye);
+
+// What one eye sees, `request` being that of the picture. Adds the object plane, by which covered pixels are counted.
+RenderResult renderEye(Renderer&, Scene&, const Camera&, const RenderRequest&, const Stereo&, Eye);
+// Both eyes in one picture: twice as wide for side-by-side. Times are of both, plan and counters of the left one.
+RenderResult renderBothEyes(Renderer&, Scene&, const Camera&, const RenderRequest&, const Stereo&);
+
+}  // namespace plumb
