@@ -38,8 +38,8 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     RenderRequest request;
     request.width = size.x;
     request.height = size.y;
-    request.shading = options.shading.value_or(scene.shading.value_or(onlyRaysDraw(scene) ? Shading::ray : Shading::phong));
     request.fill = options.fill.value_or(scene.fill.value_or(Fill::exact));
+    request.shading = options.shading.value_or(scene.shading.value_or(onlyRaysDraw(scene) && request.fill != Fill::notes ? Shading::ray : Shading::phong));
     request.maxDepth = options.maxDepth.value_or(scene.maxDepth);
     request.minWeight = float(options.minWeight.value_or(scene.minWeight));
     if (request.shading != Shading::ray && options.maxDepth) throw usageError("--max-depth goes with --shading ray");

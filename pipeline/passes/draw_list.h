@@ -28,6 +28,7 @@ struct DrawList {
     std::vector<glm::vec4> facePositions, faceNormals;    // flat shading: one point a face
     std::vector<uint32_t> faceMaterial, facePrimitive;    // primitive_id of a face
     std::vector<glm::uvec2> edges;                        // wire frame
+    std::vector<uint32_t> sphereMaterial;                 // of each sphere of the scene; --fill notes only
     std::vector<gpu::MaterialRecord> materials;
     std::vector<gpu::LightRecord> lights;
     gpu::Viewport viewport{};
