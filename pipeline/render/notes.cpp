@@ -97,6 +97,7 @@ public:
         unit_ = double(p_.list.viewport.near) / near_;  // the passes' length of a scene unit, a power of two
         list_.width = int(p_.width);
         list_.height = int(p_.height);
+        list_.zBuffer = scene.zBuffer;
     }
 
     void draw() {

@@ -308,6 +308,8 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     p.counters.objects = scene.objects.size();
     const bool rays = request.shading == Shading::ray;
     const bool discs = drawsSpheres(scene, request);
+    if (!scene.zBuffer && (request.fill != Fill::notes || request.shading == Shading::wire || discs))
+        throw inputError(scene.path, "z_buffer = false is for the polygons of --fill notes; every other picture needs one");
     if (discs) checkSpheres(scene, request);
     if (onlyRaysDraw(scene) && !rays && !discs)
         throw inputError(scene.path, "it has spheres or planes, which only --shading ray draws, spheres --fill notes too");

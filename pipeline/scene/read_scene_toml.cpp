@@ -377,6 +377,7 @@ void SceneFile::readSettings(const toml::table& root) {
     if (const auto* node = root.get("min_weight")) scene_.minWeight = numberOf(*node, "min_weight", 0, 1);
     if (const auto* node = root.get("shadows")) scene_.shadows = booleanOf(*node, "shadows");
     if (const auto* node = root.get("fill")) scene_.fill = choiceOf<Fill>(*node, "fill", {{"exact", Fill::exact}, {"notes", Fill::notes}});
+    if (const auto* node = root.get("z_buffer")) scene_.zBuffer = booleanOf(*node, "z_buffer");
     if (const auto* node = root.get("sphere_heights"))
         scene_.wholeSphereHeights = choiceOf<bool>(*node, "sphere_heights", {{"exact", false}, {"whole", true}});
     if (const auto* node = root.get("cull")) scene_.cullBackFaces = booleanOf(*node, "cull");
@@ -879,7 +880,7 @@ Scene SceneFile::read() {
         throw inputError(place(error.source()), "TOML: " + printable(error.description()));
     }
     allowKeys(root, "the scene", {"handedness", "up", "ambient", "background", "encoding", "shading", "fill", "size", "cull",
-                                  "max_depth", "min_weight", "shadows", "sphere_heights", "camera", "material", "light", "mesh", "object", "sphere", "plane"});
+                                  "max_depth", "min_weight", "shadows", "sphere_heights", "z_buffer", "camera", "material", "light", "mesh", "object", "sphere", "plane"});
     scene_.path = path_.string();
     scene_.sha256 = sha256Hex(std::as_bytes(std::span(text)));
     scene_.materials.push_back(Material{});

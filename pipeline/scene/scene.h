@@ -80,6 +80,7 @@ struct Scene {
     std::optional<Fill> fill;
     std::optional<Encoding> encoding;
     bool cullBackFaces = true;
+    bool zBuffer = true;              // false: --fill notes paints polygon over polygon, as before section 14
     bool wholeSphereHeights = false;  // --fill notes rounds z of spheres to whole numbers, as the notes' program does
     glm::uvec2 size{0};               // 0: not stated
     std::vector<std::string> ignored; // asked for by a file and not drawn (JSON scene.ignored)
