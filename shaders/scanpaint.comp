@@ -32,7 +32,7 @@ void main() {
                 int column = scanColumn(w.x);
                 uint pixel = uint(row) * uint(push.width) + uint(column);
                 if (scanOnCanvas(column, push.width)) {
-                    if (scanNearer(w.z, depths[pixel])) {
+                    if (scanTakes(w.z, depths[pixel], push.zBuffer)) {
                         depths[pixel] = w.z;
                         owners[pixel] = push.firstPolygon + n;
                         carried[pixel] = w.carried;

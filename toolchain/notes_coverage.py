@@ -11,7 +11,7 @@ import sys
 
 ROWS = 68  # systems of parts 1 to 3
 TEST = re.compile(r"^\s*TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)|^\s*GOLDEN\(\s*(\w+)\s*\)", re.M)
-PYTHON = re.compile(r"^class (\w+)\([\w.]+\):|^    def (test_\w+)\(", re.M)
+PYTHON = re.compile(r"^class (\w+)\([\w.]+\)|^    def (test_\w+)\(", re.M)
 
 
 def tests_of(root):

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // plumb bench: rows as text and JSON. A time is reported, never judged; pictures and bytes that disagree are exit 1.
+#include "pipeline/bench/claims.h"
 #include "pipeline/bench/matrix.h"
 #include "pipeline/bench/meshes.h"
 #include "pipeline/bench/raster.h"
@@ -198,13 +199,79 @@ Exit benchMatrixCommand(const Options& options, Renderer& renderer, const std::v
     return verdict;
 }
 
+Json jsonOf(const ClaimTable& table) {
+    Json json;
+    json["claim"] = table.claim;
+    json["says"] = table.says;
+    json["measured"] = table.measured;
+    json["ways"] = Json::array();
+    for (const ClaimWay& way : table.ways) {
+        Json one{{"name", way.name}, {"ms", spreadJson(way.ms)}, {"ratio", spreadJson(way.ratio)}, {"counts", Json::object()}};
+        for (const auto& [what, count] : way.counts) one["counts"][what] = count;
+        json["ways"].push_back(one);
+    }
+    json["failure"] = table.failure;
+    return json;
+}
+
+std::string textOf(const ClaimTable& table) {
+    std::string text = fmt::format("{}  {}\n    {}\n", table.claim, table.says, table.measured);
+    for (const ClaimWay& way : table.ways) {
+        std::string counts;
+        for (const auto& [what, count] : way.counts) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, what);
+        text += fmt::format("    {:<28} {:>10.4f} ms [{:.4f}..{:.4f}]  {:>7.2f} of the first [{:.2f}..{:.2f}]  {}\n", way.name, way.ms.median, way.ms.p10, way.ms.p90, way.ratio.median,
+                            way.ratio.p10, way.ratio.p90, counts);
+    }
+    if (!table.failure.empty()) text += fmt::format("    THE COUNT DISAGREES: {}\n", table.failure);
+    return text;
+}
+
+// The closed convex mesh of the claims where no other is named: as many triangles as the notes' meshes would have on a screen of today.
+constexpr const char* kClaimScene = "sphere1e4";
+
+Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::vector<std::string>& rows) {
+    ClaimOptions claims;
+    if (options.size) claims.width = options.size->x, claims.height = options.size->y;
+    claims.rounds = options.pairs;
+    claims.watchdogMs = options.watchdogMs;
+    Progress progress(options.progress, options.quiet);
+    claims.onProgress = [&progress](double done) {
+        stopIfInterrupted();
+        progress.update(done);
+    };
+    const std::string row = rows.empty() ? kClaimScene : rows[0];
+    if (rows.size() > 1 || !row.starts_with("sphere")) throw usageError("bench claims takes one closed convex mesh: sphereN, N from 1e3 to 1e7");
+    const Scene scene = sceneOf(row, {claims.width, claims.height}, options);
+    progress.begin("bench claims");
+    const std::vector<ClaimTable> tables = benchClaims(*renderer.device(), scene, claims);
+    progress.clear();
+    renderer.checkValidation();
+    const bool text = !options.json || !options.jsonFile.empty();
+    Json json = contextJson(renderer);
+    json["bench"] = "claims";
+    json["row"] = row;
+    json["size"] = {claims.width, claims.height};
+    json["tables"] = Json::array();
+    if (text)
+        printData(fmt::format("{}\n{} at {}x{}; medians [10 %..90 %] of {} rounds that run every way in turn\n", printable(renderer.name()), row, claims.width, claims.height, claims.rounds));
+    Exit verdict = Exit::done;
+    for (const ClaimTable& table : tables) {
+        if (!table.failure.empty()) verdict = Exit::overGate;
+        if (text) printData(textOf(table));
+        json["tables"].push_back(jsonOf(table));
+    }
+    json["memory"] = memoryJson(renderer);
+    writeJson(options, {json});
+    return verdict;
+}
+
 }  // namespace
 
 Exit benchCommand(const Options& options) {
     const std::string& what = options.inputs[0];
-    if (what != "raster" && what != "matrix") throw usageError(fmt::format("bench: '{}' is refused; accepted: raster, matrix", printable(what)));
+    if (what != "raster" && what != "matrix" && what != "claims") throw usageError(fmt::format("bench: '{}' is refused; accepted: raster, matrix, claims", printable(what)));
     const std::vector<std::string> rows(options.inputs.begin() + 1, options.inputs.end());
-    if (what == "matrix" && options.size) throw usageError("--size is of `plumb bench raster`");
+    if (what == "matrix" && options.size) throw usageError("--size is of `plumb bench raster` and `plumb bench claims`");
     Renderer renderer(options);
     if (renderer.device() == nullptr) {
         std::string why = renderer.choice().reason;
@@ -212,6 +279,7 @@ Exit benchCommand(const Options& options) {
         throw deviceError(fmt::format("bench measures a device, and there is none: {}", why));
     }
     if (options.verbose != 0) say(options, fmt::format("device: {}", renderer.choice().reason));
+    if (what == "claims") return benchClaimsCommand(options, renderer, rows);
     return what == "raster" ? benchRasterCommand(options, renderer, rows) : benchMatrixCommand(options, renderer, rows);
 }
 

@@ -38,8 +38,8 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     RenderRequest request;
     request.width = size.x;
     request.height = size.y;
-    request.shading = options.shading.value_or(scene.shading.value_or(onlyRaysDraw(scene) ? Shading::ray : Shading::phong));
     request.fill = options.fill.value_or(scene.fill.value_or(Fill::exact));
+    request.shading = options.shading.value_or(scene.shading.value_or(onlyRaysDraw(scene) && request.fill != Fill::notes ? Shading::ray : Shading::phong));
     request.wire = options.wire.value_or(scene.wire.value_or(WireView::seeThrough));
     request.wirePerPolygon = options.wirePerPolygon.value_or(scene.wirePerPolygon.value_or(false));
     if (request.shading != Shading::wire && (options.wire || options.wirePerPolygon)) throw usageError("--wire and --edges go with --shading wire");

@@ -29,6 +29,7 @@ struct DrawList {
     std::vector<uint32_t> faceMaterial, facePrimitive;    // primitive_id of a face
     std::vector<glm::uvec2> edges;                        // wire frame
     std::vector<uint32_t> edgeFace;                       // of each edge, index into the face stream: when hidden lines are removed
+    std::vector<uint32_t> sphereMaterial;                 // of each sphere of the scene; --fill notes only
     std::vector<gpu::MaterialRecord> materials;
     std::vector<gpu::LightRecord> lights;
     gpu::Viewport viewport{};

@@ -17,6 +17,7 @@ struct ScanList {
     std::vector<gpu::ScanPolygon> polygons;
     int width = 0, height = 0;
     uint64_t spans = 0;  // lines of all polygons within the canvas
+    bool zBuffer = true;  // false: what is painted later is seen
 
     // A convex polygon, corners in either sense around it, x and y whole. Its table is made here; one that is less than a line
     // high has none and is not painted. False: nothing to paint. Throws Error(input) for one beyond kScanLimit.

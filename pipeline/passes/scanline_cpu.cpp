@@ -83,7 +83,7 @@ ScanCanvas scanlineCpu(const ScanList& list, std::vector<gpu::ScanSpan>* spans) 
                     const int column = gpu::scanColumn(w.x);
                     if (!gpu::scanOnCanvas(column, list.width)) continue;
                     const size_t pixel = size_t(y) * size_t(list.width) + size_t(column);
-                    if (!gpu::scanNearer(w.z, canvas.z[pixel])) continue;
+                    if (!gpu::scanTakes(w.z, canvas.z[pixel], list.zBuffer)) continue;
                     canvas.z[pixel] = w.z;
                     canvas.owner[pixel] = number;
                     canvas.carried[pixel] = w.carried;

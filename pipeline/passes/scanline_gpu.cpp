@@ -52,10 +52,10 @@ ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list,
         polygons.upload(list.polygons);
         edges.upload(list.edges);
         corners.upload(list.corners);
-        recordScanSpans(recorder, {0, 0, count, list.width, list.height}, exact, polygons, edges, corners, spans);
+        recordScanSpans(recorder, {0, 0, count, list.width, list.height, list.zBuffer}, exact, polygons, edges, corners, spans);
         for (uint32_t first = 0; first < count;) {
             const uint32_t end = scanSliceEnd(list, first);
-            recordScanPaint(recorder, {0, first, end - first, list.width, list.height}, exact, polygons, spans, z,
+            recordScanPaint(recorder, {0, first, end - first, list.width, list.height, list.zBuffer}, exact, polygons, spans, z,
                             owner, carried);
             first = end;
         }

@@ -78,6 +78,7 @@ public:
         distance_ = c.focusDistance;
         near_ = double(p_.near);
         unit_ = double(p_.list.viewport.near) / near_;  // the passes' length of a scene unit, a power of two
+        list_.zBuffer = scene.zBuffer;
     }
 
     void draw() {

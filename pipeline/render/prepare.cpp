@@ -124,6 +124,20 @@ void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double foc
                                "scale or the near plane");
 }
 
+// Place of a material in the list, appended when it is met first.
+uint32_t slotOfMaterial(DrawList& list, const Scene& scene, uint32_t material, std::vector<uint32_t>& materialSlot, bool unlit) {
+    PLUMB_ASSERT(material < scene.materials.size());
+    uint32_t& slot = materialSlot[material];
+    if (slot == kNone) {
+        slot = uint32_t(list.materials.size());
+        const Material& m = scene.materials[material];
+        const glm::vec3 base = m.ambient * scene.ambient + m.emission;
+        // Unlit draws what a surface shows without a light: its own colour and what it emits.
+        list.materials.push_back({base, m.shininess, unlit ? m.diffuse + m.emission : m.diffuse, m.shininess == 0 ? 1.0f : 0.0f, m.specular, 0.0f});
+    }
+    return slot;
+}
+
 void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinhole& view, std::vector<uint32_t>& materialSlot,
                   const RenderRequest& request) {
     const bool unlit = request.shading == Shading::unlit;
@@ -143,18 +157,7 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
         throw inputError(scene.path, "the scene has more than 2^31 vertices or triangles");
     list.objects.push_back(recordOf(object.worldFromObject, view));
     checkReach(list.objects.back(), mesh, view.focal, object.name.empty() ? scene.path : object.name);
-    const auto slotOf = [&](uint32_t material) {
-        PLUMB_ASSERT(material < scene.materials.size());
-        uint32_t& slot = materialSlot[material];
-        if (slot == kNone) {
-            slot = uint32_t(list.materials.size());
-            const Material& m = scene.materials[material];
-            const glm::vec3 base = m.ambient * scene.ambient + m.emission;
-            // Unlit draws what a surface shows without a light: its own colour and what it emits.
-            list.materials.push_back({base, m.shininess, unlit ? m.diffuse + m.emission : m.diffuse, m.shininess == 0 ? 1.0f : 0.0f, m.specular, 0.0f});
-        }
-        return slot;
-    };
+    const auto slotOf = [&](uint32_t material) { return slotOfMaterial(list, scene, material, materialSlot, unlit); };
     for (size_t i = 0; i < mesh.positions.size(); ++i) {
         list.positions.emplace_back(mesh.positions[i], 1.0f);
         list.normals.emplace_back(mesh.normals[i], 0.0f);
@@ -263,6 +266,14 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
     c.oneMaterial = p.list.materials.size() == 1;
 }
 
+// What the implicit sphere rendering of the notes can draw.
+void checkSpheres(const Scene& scene, const RenderRequest& request) {
+    if (request.shading != Shading::phong) throw usageError("--fill notes illuminates spheres at each pixel: --shading phong");
+    if (request.samples != 1) throw usageError("--fill notes draws one sample a pixel: leave --samples out");
+    if (!scene.objects.empty()) throw inputError(scene.path, "it has meshes beside spheres; --fill notes draws spheres in parallel projection and meshes in perspective, so not both");
+    if (!(scene.camera->focalPixels > 0)) throw inputError(scene.path, "--fill notes draws spheres for the viewer of camera.distance, a pixel a unit");
+}
+
 }  // namespace
 
 Prepared prepare(const Scene& scene, const RenderRequest& request) {
@@ -306,8 +317,14 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     std::vector<uint32_t> materialSlot(scene.materials.size(), kNone);
     p.counters.objects = scene.objects.size();
     const bool rays = request.shading == Shading::ray;
-    if (onlyRaysDraw(scene) && !rays)
-        throw inputError(scene.path, "it has spheres or planes, which only --shading ray draws");
+    const bool discs = drawsSpheres(scene, request);
+    if (!scene.zBuffer && (request.fill != Fill::notes || request.shading == Shading::wire || discs))
+        throw inputError(scene.path, "z_buffer = false is for the polygons of --fill notes; every other picture needs one");
+    if (discs) checkSpheres(scene, request);
+    if (onlyRaysDraw(scene) && !rays && !discs)
+        throw inputError(scene.path, "it has spheres or planes, which only --shading ray draws, spheres --fill notes too");
+    for (uint32_t i = 0; discs && i < scene.spheres.size(); ++i)
+        list.sphereMaterial.push_back(slotOfMaterial(list, scene, scene.spheres[i].material, materialSlot, false));
     for (uint32_t i = 0; !rays && i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
         const TriangleMesh& mesh = scene.meshes[object.mesh];
@@ -336,6 +353,9 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
         if (request.wirePerPolygon) plan.choices.push_back("edges: as often as polygons have them");
     } else if (rays) {
         plan.passes = {"trace"};
+    } else if (discs) {
+        plan.passes = {"spheres"};
+        plan.choices.push_back(fmt::format("fill notes: spheres pixel by pixel in parallel projection, z {}", scene.wholeSphereHeights ? "rounded to whole numbers" : "not rounded"));
     } else if (request.fill == Fill::notes) {
         plan.passes = {"project", "scanline", "scanpaint"};
         if (p.choices.shading == gpu::kShadingFlat || p.choices.shading == gpu::kShadingGouraud) plan.passes.insert(plan.passes.begin() + 1, "illuminate");
@@ -355,7 +375,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
                                            uint32_t(width), uint32_t(height)));
     }
     plan.passes.push_back("encode");
-    if (list.triangles.empty() && !rays) {
+    if (list.triangles.empty() && !rays && !discs) {
         plan.dropped.push_back({"every pass", "nothing to draw"});
         plan.passes = {"encode"};
     }
@@ -367,6 +387,10 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     if (trade.subpixelBits != 8) plan.choices.push_back(fmt::format("subpixel: {} bits", trade.subpixelBits));
     plan.choices.push_back(fmt::format("near plane at {}", view.near));
     return p;
+}
+
+bool drawsSpheres(const Scene& scene, const RenderRequest& request) {
+    return request.fill == Fill::notes && request.shading != Shading::ray && !scene.spheres.empty() && scene.planes.empty();
 }
 
 bool onlyRaysDraw(const Scene& scene) { return !scene.spheres.empty() || !scene.planes.empty(); }

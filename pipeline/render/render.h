@@ -77,7 +77,10 @@ struct RenderResult {
     double totalMs = 0;                   // host time of the whole render, upload and readback included
 };
 
-// What a scene has that no raster pass draws.
+// Spheres that --fill notes draws, as the notes' implicit sphere rendering.
+bool drawsSpheres(const Scene&, const RenderRequest&);
+
+// What a scene has that no raster pass of triangles draws.
 bool onlyRaysDraw(const Scene&);
 
 Plan planRender(const Scene&, const RenderRequest&);

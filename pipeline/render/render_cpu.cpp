@@ -4,6 +4,7 @@
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/notes.h"
+#include "pipeline/render/spheres_frame.h"
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/render/trace_frame.h"
@@ -48,6 +49,11 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
     }
     if (request.shading == Shading::wire) {
         drawWireCpu(scene, p, request, result);
+        result.totalMs = total.elapsedMs();
+        return result;
+    }
+    if (drawsSpheres(scene, request)) {
+        drawSpheresCpu(scene, p, request, result);
         result.totalMs = total.elapsedMs();
         return result;
     }

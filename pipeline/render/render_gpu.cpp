@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/device_render.h"
 #include "pipeline/render/notes.h"
+#include "pipeline/render/spheres_frame.h"
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/render/trace_frame.h"
 #include "pipeline/scene/plain_floats.h"
@@ -17,6 +18,7 @@ RenderResult renderGpu(Device& device, const Scene& scene, const RenderRequest& 
     result.plan = p.plan;
     result.counters = p.counters;
     if (rays) traceFrameGpu(device, p, scene, request, result);
+    else if (drawsSpheres(scene, request)) drawSpheresGpu(device, scene, p, request, result);
     else drawNotesGpu(device, scene, p, request, result);
     result.totalMs = total.elapsedMs();
     return result;

@@ -393,6 +393,9 @@ void SceneFile::readSettings(const toml::table& root) {
         scene_.wire = choiceOf<WireView>(*node, "wire", {{"see-through", WireView::seeThrough}, {"culled", WireView::culled}, {"solid", WireView::solid}});
     if (const auto* node = root.get("edges")) scene_.wirePerPolygon = choiceOf<bool>(*node, "edges", {{"once", false}, {"polygons", true}});
     if (const auto* node = root.get("viewer")) scene_.distantViewer = choiceOf<bool>(*node, "viewer", {{"local", false}, {"distant", true}});
+    if (const auto* node = root.get("z_buffer")) scene_.zBuffer = booleanOf(*node, "z_buffer");
+    if (const auto* node = root.get("sphere_heights"))
+        scene_.wholeSphereHeights = choiceOf<bool>(*node, "sphere_heights", {{"exact", false}, {"whole", true}});
     if (const auto* node = root.get("cull")) scene_.cullBackFaces = booleanOf(*node, "cull");
     if (const auto* node = root.get("size")) {
         const toml::array& size = arrayOf(*node, "size");
@@ -926,7 +929,7 @@ Scene SceneFile::read() {
         throw inputError(place(error.source()), "TOML: " + printable(error.description()));
     }
     allowKeys(root, "the scene", {"handedness", "up", "ambient", "background", "encoding", "shading", "fill", "wire", "edges", "viewer", "size", "cull",
-                                  "max_depth", "min_weight", "shadows", "camera", "material", "light", "mesh", "object", "sphere", "plane"});
+                                  "max_depth", "min_weight", "shadows", "sphere_heights", "z_buffer", "camera", "material", "light", "mesh", "object", "sphere", "plane"});
     scene_.path = path_.string();
     scene_.sha256 = sha256Hex(std::as_bytes(std::span(text)));
     scene_.materials.push_back(Material{});

@@ -84,6 +84,8 @@ struct Scene {
     std::optional<bool> wirePerPolygon;   // each edge as often as polygons have it
     std::optional<bool> distantViewer;    // the viewer counts as infinitely far away when a point is lit (section 3 of the notes)
     bool cullBackFaces = true;
+    bool zBuffer = true;              // false: --fill notes paints polygon over polygon, as before section 14
+    bool wholeSphereHeights = false;  // --fill notes rounds z of spheres to whole numbers, as the notes' program does
     glm::uvec2 size{0};               // 0: not stated
     std::vector<std::string> ignored; // asked for by a file and not drawn (JSON scene.ignored)
     std::vector<std::string> warnings;

@@ -7,7 +7,7 @@
 // left and right are decided anew on every line, and an edge that ends is replaced by the next of the table, which starts one step
 // below its corner, because the corner's line is painted already (A4, A5). Across a line X runs leftX, leftX + 1, ... <= rightX and
 // paints column floor(X + 1/2) of colour and depth alike (A8). A pixel is taken when its Z is less than the stored one: the
-// smaller Z is nearer, equal Z keeps the first polygon.
+// smaller Z is nearer, equal Z keeps the first polygon. Without a Z-buffer (section 13) every pixel is taken, by one polygon after the other.
 #ifndef PLUMB_SCANLINE_H
 #define PLUMB_SCANLINE_H
 #include "exact.h"
@@ -50,6 +50,7 @@ struct ScanPush {
     uint statusSlot;
     uint firstPolygon, polygonCount;  // of this dispatch
     int width, height;                // of the canvas
+    uint zBuffer;                     // 0: section 13's fill without one, what is painted later is seen
 };
 
 // a / b for b >= 1. What is too small for the emulated division is 0.
@@ -128,7 +129,7 @@ SHARED_FN ScanWalk scanAcross(ScanSpan s) {
 SHARED_FN bool scanWithin(float x, float rightX) { return x <= rightX; }
 SHARED_FN int scanColumn(float x) { return toInt(floorReal(x + 0.5f)); }
 SHARED_FN bool scanOnCanvas(int column, int width) { return column >= 0 && column < width; }
-SHARED_FN bool scanNearer(float z, float stored) { return z < stored; }
+SHARED_FN bool scanTakes(float z, float stored, uint zBuffer) { return z < stored || zBuffer == 0u; }
 
 SHARED_END
 #endif

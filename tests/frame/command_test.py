@@ -385,8 +385,32 @@ class Bench(Command):
                 self.assertGreater(way["error_u"], 0, way)   # float32 against binary64: a result without error was not computed
         self.assertTrue(any("sequential" in line for line in tables[3]["absent"]))
 
+    def test_claims_are_counted_and_timed(self):
+        done = self.expect(0, "bench", "claims", "sphere1e3", "--size", "96x72", "--repeat", "3", "--json")
+        tables = {t["claim"]: t for t in json.loads(done.stdout)["tables"]}
+        self.assertEqual(sorted(tables), ["P6", "P7", "P8", "P9"])
+        for table in tables.values():
+            self.assertEqual(table["failure"], "")
+            for way in table["ways"]:
+                self.assertEqual((way["ms"]["count"], way["ratio"]["count"]), (3, 3))
+                self.assertGreater(way["ms"]["least"], 0)
+            self.assertEqual(table["ways"][0]["ratio"]["median"], 1)
+        counts = {(claim, way["name"]): way["counts"] for claim, table in tables.items() for way in table["ways"]}
+        ends = counts["P7", "end points, then 2-D lines"]
+        self.assertEqual(ends["projections"], 2 * ends["edges"])
+        self.assertGreater(counts["P7", "every point"]["projections"], ends["projections"])
+        culled, all_ = counts["P8", "culled"], counts["P8", "not culled"]
+        self.assertGreater(2 * culled["back-facing"], culled["triangles"])
+        self.assertEqual((all_["back-facing"], all_["triangles"]), (0, culled["triangles"]))
+        self.assertLess(culled["drawn"], all_["drawn"])
+        self.assertEqual(counts["P9", "Phong"]["illuminations"], counts["P6", "bin, fill, shade"]["pixels"])
+        self.assertGreater(counts["P9", "Phong"]["illuminations"], counts["P9", "Gouraud"]["illuminations"])
+        text = self.expect(0, "bench", "claims", "sphere1e3", "--size", "64x48", "--repeat", "3").stdout.decode()
+        self.assertIn("of the first", text)
+
     def test_refusals(self):
-        self.expect(2, "bench", "rater", says="accepted: raster, matrix")
+        self.expect(2, "bench", "claims", "knot1e3", says="sphereN")
+        self.expect(2, "bench", "rater", says="accepted: raster, matrix, claims")
         self.expect(2, "bench", "raster", "sphere7", says="is no row")
         self.expect(2, "bench", "matrix", "1.5", says="is no count")
         self.expect(3, "bench", "raster", "nothing.obj", says="nothing.obj")

@@ -24,9 +24,10 @@ std::vector<gpu::ScanCorner> polygonAround(Random& r, double x, double y, double
     return polygon;
 }
 
-ScanList listOf(int width, int height, uint32_t count, double reach, uint32_t seed) {
+ScanList listOf(int width, int height, uint32_t count, double reach, uint32_t seed, bool zBuffer = true) {
     Random r(seed);
     ScanList list;
+    list.zBuffer = zBuffer;
     list.width = width;
     list.height = height;
     const auto add = [&](const std::vector<gpu::ScanCorner>& polygon) { list.add(polygon); };
@@ -60,6 +61,7 @@ TEST_F(ScanlineTwin, LeavesTheSameBytes) {
     expectSameCanvas(listOf(64, 64, 200, 12, 5));
     expectSameCanvas(listOf(35, 129, 40, 90, 7));
     expectSameCanvas(listOf(1, 1, 40, 9, 11));
+    expectSameCanvas(listOf(67, 45, 60, 20, 17, false));
 }
 
 TEST_F(ScanlineTwin, ManyWidePolygonsTakeSeveralDispatches) {
@@ -95,6 +97,20 @@ TEST(ScanlineRules, EqualZKeepsTheFirstAndOrderOfDifferentZDoesNotMatter) {
     EXPECT_EQ(drawn({&far, &same})[55].x, 1);
     EXPECT_EQ(drawn({&same, &far})[55].x, 2);
     EXPECT_EQ(drawn({&near, &far}), drawn({&far, &near}));
+}
+
+TEST(ScanlineRules, WithoutAZBufferTheLastPolygonIsSeen) {
+    const std::vector<gpu::ScanCorner> near = {{0, 0, 4, {1, 0, 0}}, {9, 0, 4, {1, 0, 0}}, {9, 9, 4, {1, 0, 0}}, {0, 9, 4, {1, 0, 0}}};
+    std::vector<gpu::ScanCorner> far = near;
+    for (gpu::ScanCorner& c : far) c.z = 5, c.carried = {2, 0, 0};
+    ScanList list;
+    list.width = list.height = 10;
+    list.zBuffer = false;
+    EXPECT_TRUE(list.add(near));
+    EXPECT_TRUE(list.add(far));
+    const ScanCanvas canvas = scanlineCpu(list, nullptr);
+    EXPECT_EQ(canvas.carried[55].x, 2);
+    EXPECT_EQ(canvas.z[55], 5);
 }
 
 TEST(ScanlineRules, WhatIsLessThanALineHighIsNotPaintedAndTooTallIsRefused) {

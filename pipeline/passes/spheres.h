@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Spheres: the implicit sphere rendering of the lecture notes. Contract: shaders/shared/spheres.h.
+#pragma once
+
+#include "host/recorder.h"
+#include "shaders/shared/spheres.h"
+
+#include <span>
+#include <vector>
+
+namespace plumb {
+
+// The spheres of a canvas in their order, and for each row those that meet it.
+struct SphereList {
+    SphereList(int canvasWidth, int canvasHeight) : width(canvasWidth), height(canvasHeight) {}
+
+    // False: it does not meet the canvas and is left out.
+    bool add(const gpu::SphereDisc& disc);
+    // Makes the rows. Throws Error(input) when a row has more than gpu::kSpheresOfRow spheres, or all rows more than 2^31.
+    void close();
+
+    int width = 0, height = 0;
+    std::vector<gpu::SphereDisc> discs;
+    std::vector<uint32_t> rowFirst, rowDiscs;  // height + 1; indices into discs
+};
+
+// What spheres are illuminated by.
+struct SphereLight {
+    gpu::ShadeParts parts;
+    std::span<const gpu::MaterialRecord> materials;
+    std::span<const gpu::LightRecord> lights;
+    bool wholeHeights = false;
+    float unit = 1;  // the passes' length of a pixel, a power of two
+};
+
+// For each pixel: depth (gpu::kSphereFarthest: nothing), sphere (gpu::kNoSphere) and linear colour; w is 0.
+struct SphereCanvas {
+    std::vector<float> depth;
+    std::vector<uint32_t> owner;
+    std::vector<glm::vec4> colour;
+};
+
+// The twin goes sphere by sphere over a Z-buffer, as a painter would, and illuminates what is left.
+SphereCanvas spheresCpu(const SphereList& list, const SphereLight& light, uint32_t threads);
+
+// Throws Error(failed) where the device has no room.
+SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& list, const SphereLight& light,
+                        const Specialization& exact, double watchdogMs);
+
+}  // namespace plumb
