@@ -87,6 +87,18 @@ OutputPlan outputPlanOf(const Options& options, const std::vector<Viewpoint>& vi
     return plan;
 }
 
+// As on the command line; nothing for the defaults.
+std::string raysInWords(const RayChoices& rays) {
+    std::string words;
+    const auto add = [&](const std::string& word) { words += (words.empty() ? "" : " ") + word; };
+    if (rays.sampling != RayChoices::Sampling::grid) add(fmt::format("sampling={}", nameOf(Sampling(rays.sampling))));
+    for (const auto& [name, amount] : {std::pair("reflect", rays.jitterReflect), std::pair("refract", rays.jitterRefract), std::pair("shadow", rays.jitterShadow)})
+        if (amount > 0) add(fmt::format("jitter.{}={:g}", name, amount));
+    if (rays.seed != 0) add(fmt::format("seed={}", rays.seed));
+    if (rays.cutLevels) add("levels=cut");
+    return words;
+}
+
 Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest& request, const Viewpoint& view) {
     // Neither device nor time nor folder: the same scene gives the same file on every machine.
     const Json tool = toolJson();
@@ -105,6 +117,7 @@ Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest&
     metadata["encoding"] = nameOf(request.encoding);
     // Nothing for the default, whose files stay as they are.
     if (request.trade != Trade{}) metadata["trade"] = wordsOf({request, true});
+    if (const std::string rays = raysInWords(request.rays); !rays.empty()) metadata["rays"] = rays;
     metadata["camera"] = cameraJson(view.camera).dump();
     metadata["determinism"] = "bits";
     return metadata;
@@ -147,6 +160,7 @@ Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector
     json["view"] = view.name;
     json["camera"] = cameraJson(view.camera);
     json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}, {"transparent", request.transparent}};
+    if (request.shading == Shading::ray) json["options"]["rays"] = raysInWords(request.rays);
     json["plan"] = planJson(result.plan);
     json["time_ms"] = Json::object();  // filled when the picture is written
     json["image"] = imageJson(result.frame, facts, blank);
@@ -175,6 +189,8 @@ Exit renderCommand(const Options& options) {
     for (const std::string& warning : scene.warnings) say(options, fmt::format("plumb: warning: {}", warning));
 
     RenderRequest request = requestOf(options, scene, size);
+    if (const std::string asked = raysAskedBy(scene); request.shading != Shading::ray && !asked.empty())
+        say(options, fmt::format("plumb: not drawn: reflection and refraction: {}; only --shading ray traces them", asked));
     scene.camera = views[0].camera;
     scene.lights = views[0].lights;
     if (!draws) {

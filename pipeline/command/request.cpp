@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace plumb {
 namespace {
@@ -23,6 +24,33 @@ uint32_t byteFromLinear(float linear, Encoding encoding) {
     return uint32_t(std::lround(encoded * 255));
 }
 
+// Stated, or what the scene asks for; what is stated of a raster shading keeps the raster.
+void chooseShading(const Options& options, const Scene& scene, RenderRequest& request) {
+    request.shading = options.shading.value_or(scene.shading.value_or(Shading::phong));
+    if (options.shading || scene.shading) return;
+    const std::string asked = raysAskedBy(scene);
+    if (asked.empty() || (!onlyRaysDraw(scene) && (request.fill == Fill::notes || !options.trade.empty()))) return;
+    request.shading = Shading::ray;
+    request.shadingReason = fmt::format("shading ray: {}; --shading overrides", asked);
+}
+
+void rayChoices(const Options& options, RenderRequest& request) {
+    const std::pair<const char*, bool> flags[] = {{"--sampling", options.sampling.has_value()},
+                                                  {"--jitter", options.jitterReflect || options.jitterRefract || options.jitterShadow},
+                                                  {"--seed", options.seed.has_value()},
+                                                  {"--levels", options.cutLevels.has_value()}};
+    for (const auto& [flag, given] : flags)
+        if (given && request.shading != Shading::ray) throw usageError(fmt::format("{} goes with --shading ray", flag));
+    RayChoices& rays = request.rays;
+    static_assert(int(Sampling::notes) == int(RayChoices::Sampling::notes) && int(Sampling::adaptive) == int(RayChoices::Sampling::adaptive));
+    rays.sampling = RayChoices::Sampling(options.sampling.value_or(Sampling::grid));
+    rays.jitterReflect = float(options.jitterReflect.value_or(0));
+    rays.jitterRefract = float(options.jitterRefract.value_or(0));
+    rays.jitterShadow = float(options.jitterShadow.value_or(0));
+    rays.seed = options.seed.value_or(0);
+    rays.cutLevels = options.cutLevels.value_or(false);
+}
+
 }  // namespace
 
 LoadOptions loadOptionsOf(const Options& options) {
@@ -38,12 +66,13 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     RenderRequest request;
     request.width = size.x;
     request.height = size.y;
-    request.shading = options.shading.value_or(scene.shading.value_or(onlyRaysDraw(scene) ? Shading::ray : Shading::phong));
     request.fill = options.fill.value_or(scene.fill.value_or(Fill::exact));
+    chooseShading(options, scene, request);
     request.maxDepth = options.maxDepth.value_or(scene.maxDepth);
     request.minWeight = float(options.minWeight.value_or(scene.minWeight));
     if (request.shading != Shading::ray && options.maxDepth) throw usageError("--max-depth goes with --shading ray");
     if (request.shading != Shading::ray && options.minWeight) throw usageError("--min-weight goes with --shading ray");
+    rayChoices(options, request);
     if (request.shading == Shading::ray && request.fill == Fill::notes) throw usageError("--fill notes is a fill of the raster shadings; --shading ray has none");
     request.encoding = options.encoding.value_or(scene.encoding.value_or(Encoding::srgb));
     request.samples = options.samples;
