@@ -228,7 +228,7 @@ DeviceLimits limitsOf(const Queried& q, const std::vector<VkQueueFamilyPropertie
     limits.texelOffsetAlignment = uint32_t(l.minTexelBufferOffsetAlignment);
     limits.storageOffsetAlignment = uint32_t(l.minStorageBufferOffsetAlignment);
     limits.timestampPeriodNs = families[family].timestampValidBits != 0 ? double(l.timestampPeriod) : 0;
-    const VkSubgroupFeatureFlags needed = VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+    const VkSubgroupFeatureFlags needed = VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT;
     limits.subgroupShuffle = (q.subgroup.supportedOperations & needed) == needed &&
                              (q.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) && limits.subgroupSize >= 8 &&
                              std::has_single_bit(limits.subgroupSize);

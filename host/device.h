@@ -38,7 +38,7 @@ struct DeviceLimits {
     uint32_t texelOffsetAlignment = 0;   // minTexelBufferOffsetAlignment
     uint32_t storageOffsetAlignment = 0;
     double timestampPeriodNs = 0;        // 0: no timestamps on the compute queue
-    bool subgroupShuffle = false;        // ballot + shuffle usable in compute, subgroup size a power of two >= 8
+    bool subgroupShuffle = false;        // ballot, vote and shuffle usable in compute, subgroup size a power of two >= 8
     bool roundingModeRte32 = false;
     bool int64 = false;
     bool float64 = false;

@@ -37,9 +37,9 @@ void main() {
     do {
         uint sy = k / push.side;
         uint sx = k - sy * push.side;
-        uint first = (row * push.side + sy) * push.sampleRowQuads * 4u;
+        uint first = (row * push.stride + sy) * push.sampleRowQuads * 4u;
         for (uint c = 0u; c < 4u; ++c) {
-            uint word = first + min((column + c) * push.side + sx, push.sampleRowQuads * 4u - 1u);
+            uint word = first + min((column + c) * push.stride + sx, push.sampleRowQuads * 4u - 1u);
             uint plane = push.samplePlaneQuads * 4u;
             bool here = texelFetch(samplePlanes, int(word + push.zSlot * plane)).x != 0u;
             bool counts = here || push.transparent == 0u;

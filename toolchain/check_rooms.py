@@ -38,7 +38,7 @@ ROOMS = {
     "pipeline/report": (["pipeline/report", "pipeline/image", "host/error.h"], ["json"]),
     "pipeline/cli": (["pipeline/cli", "pipeline/scene", "host/error.h"], ["cli", "glm", "fmt"]),
     "pipeline/bench": (["pipeline/bench", "pipeline/render", "pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv", "bench_spirv"],
-                       ["glm", "fmt", "eigen"]),
+                       ["glm", "fmt", "eigen", "embree"]),
     "pipeline/command": (["pipeline", "host"], ["cli", "glm", "fmt", "json"]),
     "examples": (["plumbline"], ["glm"]),
     "tests": (["host", "pipeline", "shaders", "tests", "spirv", "oracle_spirv"],
@@ -57,6 +57,7 @@ THIRD_PARTY = {
     "exr": r"OpenEXR/|Imath|Imf|half\.h$",
     "cli": r"CLI/",
     "eigen": r"Eigen/",
+    "embree": r"embree3/",
     "gtest": r"gtest/|gmock/",
 }
 # C and POSIX headers; headers of the C++ library have neither a dot nor a slash.

@@ -9,7 +9,7 @@ import os
 import re
 import sys
 
-ROWS = 68  # systems of parts 1 to 3
+ROWS = 86  # systems of parts 1 to 4
 TEST = re.compile(r"^\s*TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)|^\s*GOLDEN\(\s*(\w+)\s*\)", re.M)
 PYTHON = re.compile(r"^class (\w+)\([\w.]+\)|^    def (test_\w+)\(", re.M)
 

@@ -149,6 +149,16 @@ void addTrades(Options& o, const std::string& text) {
     }
 }
 
+void addJitter(Options& o, const std::string& text) {
+    for (const auto part : split(text, ',')) {
+        const auto words = split(part, '=');
+        if (words.size() != 2) throw Refused{};
+        std::optional<double>& amount = *oneOf<std::optional<double>*>(std::string(words[0]), {{"reflect", &o.jitterReflect}, {"refract", &o.jitterRefract}, {"shadow", &o.jitterShadow}});
+        if (amount) throw Refused{};
+        amount = real(words[1], 0, 0.5);
+    }
+}
+
 void setLimit(Options& o, const std::string& text) {
     std::string_view digits = text;
     double unit = 0;
@@ -182,7 +192,7 @@ const std::vector<Flag> kFlags = {
      }},
     {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff | kMeasure, [](Options& o, const std::string&) { o.noClobber = true; }},
     {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480; bench: 1920x1080", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw | kBench, setSize},
-    {"--shading", "MODE", "how faces are shaded; ray traces", "the scene's, else ray where it has spheres or planes, else phong", "wire, unlit, flat, gouraud, phong, ray",
+    {"--shading", "MODE", "how faces are shaded; ray traces", "the scene's, else ray where it has spheres or planes or a material that mirrors or refracts, else phong", "wire, unlit, flat, gouraud, phong, ray",
      {"wire", "unlit", "flat", "gouraud", "phong", "ray"}, kDraw,
      [](Options& o, const std::string& v) {
          o.shading = oneOf<Shading>(v, {{"wire", Shading::wire}, {"unlit", Shading::unlit}, {"flat", Shading::flat}, {"gouraud", Shading::gouraud}, {"phong", Shading::phong}, {"ray", Shading::ray}});
@@ -202,6 +212,17 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) { o.maxDepth = number<uint32_t>(v, 1, 64); }},
     {"--min-weight", "W", "a ray that adds less than this share to its pixel is not followed, with --shading ray", "the scene's, else 0", "a number, 0 to 1", kNoWords, kDraw,
      [](Options& o, const std::string& v) { o.minWeight = real(v, 0, 1); }},
+    {"--sampling", "WHERE", "where rays pass through a pixel, with --shading ray: a grid of samples, its centre, random places, corners that pixels share, those and 16 where they differ, or as the notes' program",
+     "grid", "grid, centre, random, corners, adaptive, notes", {"grid", "centre", "random", "corners", "adaptive", "notes"}, kDraw,
+     [](Options& o, const std::string& v) {
+         o.sampling = oneOf<Sampling>(v, {{"grid", Sampling::grid}, {"centre", Sampling::centre}, {"random", Sampling::random}, {"corners", Sampling::corners}, {"adaptive", Sampling::adaptive}, {"notes", Sampling::notes}});
+     }},
+    {"--jitter", "LIST", "noise on what a hit sends on, by commas, with --shading ray: blurred mirrors, blurred glass, soft shadows", "none", "reflect=X, refract=X, shadow=X by commas, X from 0 to 0.5",
+     {"reflect=0.02", "refract=0.02", "shadow=0.02"}, kDraw, addJitter, true},
+    {"--seed", "N", "of the noise of --jitter and --sampling random", "0", "a whole number, 0 to 4294967295", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.seed = number<uint32_t>(v, 0, ~uint32_t(0)); }},
+    {"--levels", "HOW", "exact colours, or whole levels cut after each ray as the notes' C program adds them, with --shading ray and --encode linear", "exact", "exact, cut", {"exact", "cut"}, kDraw,
+     [](Options& o, const std::string& v) { o.cutLevels = oneOf<bool>(v, {{"exact", false}, {"cut", true}}); }},
     {"--samples", "N", "samples a pixel, in an ordered grid", "1", "1, 4, 16", {"1", "4", "16"}, kDraw,
      [](Options& o, const std::string& v) { o.samples = oneOf<uint32_t>(v, {{"1", 1}, {"4", 4}, {"16", 16}}); }},
     {"--encode", "CURVE", "how linear light becomes bytes", "the scene's, else srgb", "srgb, linear", {"srgb", "linear"}, kDraw,
@@ -388,13 +409,15 @@ const std::vector<CommandRow> kCommands = {
      {{{"plumb matrix rotate=90:from=3,3,5:to=6,6.4641,7 --point 4,3,5", "the seven matrices of a rotation about a line, and where a point goes"},
        {"plumb matrix --dimensions 2 rotate=90:about=3,2 --notation row", "an in-place rotation of the plane, as matrices for row vectors"},
        {"plumb matrix scene.toml --object mug --json", "the chain of one object for programs"}}}},
-    {kBench, "bench", "raster|matrix|claims [ROW...]", "measure speed against other ways to the same result",
+    {kBench, "bench", "raster|matrix|claims|trace [ROW...]", "measure speed against other ways to the same result",
      "raster: the passes against the device's own graphics pipeline, per-pixel Phong of the same scene, interleaved, warm, both with the picture in memory of the host. "
      "ROW is sphereN, knotN, displacedN (N triangles, e.g. sphere1e5), full-screen, layers-b2f, layers-f2b, a scene or a mesh; all generated ones without a ROW. "
      "Coverage of the two pictures is compared: exit 1 when a pixel differs further than 1/256 pixel from an edge. "
      "matrix: vertices by one matrix and by seven, and products of chains, on the device, by the twin and by the libraries that were found, beside the bandwidth of the memory. "
      "ROW is a count, e.g. 1e6; 1e3 to 1e7 without a ROW. "
-     "claims: P6 to P9 of the lecture notes (what filling, projecting, culling and shading cost), counted and timed; ROW is sphereN, sphere1e4 without; exit 1 when a count disagrees. Medians with the 10th and 90th percentile; times are never judged.",
+     "claims: P6 to P9 of the lecture notes (what filling, projecting, culling and shading cost), counted and timed; ROW is sphereN, sphere1e4 without; exit 1 when a count disagrees. "
+     "trace: rays on the device against the same algorithm in plain C++ (spheres4, spheres20: mirrors over a board, depth 5) and primary rays against Embree where the build found it "
+     "(mesh1e5, mesh1e6). Medians with the 10th and 90th percentile; times are never judged.",
      {{{"plumb bench raster", "the generated meshes at 1920x1080"},
        {"plumb bench raster sphere1e5 mug.obj --repeat 20 --json", "one generated and one named mesh, for programs"},
        {"plumb bench matrix 1e6", "a million vertices, and a chain of a million matrices"}}}},
@@ -499,6 +522,10 @@ const CommandRow& rowOf(Command command) {
 const char* nameOf(Aov aov) {
     static constexpr const char* kNames[] = {"color", "linear", "depth", "distance", "normal", "object_id", "primitive_id"};
     return kNames[size_t(aov)];
+}
+const char* nameOf(Sampling sampling) {
+    static constexpr const char* kNames[] = {"grid", "centre", "random", "corners", "adaptive", "notes"};
+    return kNames[size_t(sampling)];
 }
 const char* nameOf(Shading shading) {
     static constexpr const char* kNames[] = {"wire", "unlit", "flat", "gouraud", "phong", "ray"};

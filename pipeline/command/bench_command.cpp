@@ -5,6 +5,7 @@
 #include "pipeline/bench/meshes.h"
 #include "pipeline/bench/raster.h"
 #include "pipeline/cli/progress.h"
+#include "pipeline/command/bench_report.h"
 #include "pipeline/command/command.h"
 #include "pipeline/command/interrupt.h"
 #include "pipeline/command/report.h"
@@ -14,23 +15,10 @@
 #include "pipeline/scene/text.h"
 
 #include <charconv>
-#include <cstdlib>
 #include <fmt/format.h>
 
 namespace plumb {
 namespace {
-
-Json spreadJson(const Spread& s) { return {{"median", s.median}, {"p10", s.p10}, {"p90", s.p90}, {"least", s.least}, {"count", s.count}}; }
-
-Json contextJson(const Renderer& renderer) {
-    Json json;
-    json["tool"] = toolJson();
-    json["host"] = hostJson();
-    double load[3] = {0, 0, 0};
-    if (::getloadavg(load, 3) == 3) json["host"]["load"] = {load[0], load[1], load[2]};
-    json["device"] = renderer.json();
-    return json;
-}
 
 Json jsonOf(const RasterRow& row) {
     Json json;
@@ -120,7 +108,7 @@ Exit benchRasterCommand(const Options& options, Renderer& renderer, std::vector<
         progress.update(done);
     };
     const bool text = !options.json || !options.jsonFile.empty();
-    Json json = contextJson(renderer);
+    Json json = benchContextJson(renderer);
     json["bench"] = "raster";
     json["rows"] = Json::array();
     if (text)
@@ -171,7 +159,7 @@ Exit benchMatrixCommand(const Options& options, Renderer& renderer, const std::v
         progress.update(done);
     };
     const bool text = !options.json || !options.jsonFile.empty();
-    Json json = contextJson(renderer);
+    Json json = benchContextJson(renderer);
     json["bench"] = "matrix";
     json["tables"] = Json::array();
     if (text) printData(fmt::format("{}; medians [10 %..90 %] of rounds that run every way in turn; error against binary64 rounded once, u = 2^-24 of the largest entry\n", printable(renderer.name())));
@@ -269,9 +257,10 @@ Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::v
 
 Exit benchCommand(const Options& options) {
     const std::string& what = options.inputs[0];
-    if (what != "raster" && what != "matrix" && what != "claims") throw usageError(fmt::format("bench: '{}' is refused; accepted: raster, matrix, claims", printable(what)));
+    if (what != "raster" && what != "matrix" && what != "claims" && what != "trace")
+        throw usageError(fmt::format("bench: '{}' is refused; accepted: raster, matrix, claims, trace", printable(what)));
     const std::vector<std::string> rows(options.inputs.begin() + 1, options.inputs.end());
-    if (what == "matrix" && options.size) throw usageError("--size is of `plumb bench raster` and `plumb bench claims`");
+    if (what == "matrix" && options.size) throw usageError("--size is of `plumb bench raster`, `claims` and `trace`");
     Renderer renderer(options);
     if (renderer.device() == nullptr) {
         std::string why = renderer.choice().reason;
@@ -280,6 +269,7 @@ Exit benchCommand(const Options& options) {
     }
     if (options.verbose != 0) say(options, fmt::format("device: {}", renderer.choice().reason));
     if (what == "claims") return benchClaimsCommand(options, renderer, rows);
+    if (what == "trace") return benchTraceCommand(options, renderer, rows);
     return what == "raster" ? benchRasterCommand(options, renderer, rows) : benchMatrixCommand(options, renderer, rows);
 }
 

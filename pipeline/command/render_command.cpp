@@ -26,6 +26,18 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double millisecondsSince(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
+// As on the command line; nothing for the defaults.
+std::string raysInWords(const RayChoices& rays) {
+    std::string words;
+    const auto add = [&](const std::string& word) { words += (words.empty() ? "" : " ") + word; };
+    if (rays.sampling != RayChoices::Sampling::grid) add(fmt::format("sampling={}", nameOf(Sampling(rays.sampling))));
+    for (const auto& [name, amount] : {std::pair("reflect", rays.jitterReflect), std::pair("refract", rays.jitterRefract), std::pair("shadow", rays.jitterShadow)})
+        if (amount > 0) add(fmt::format("jitter.{}={:g}", name, amount));
+    if (rays.seed != 0) add(fmt::format("seed={}", rays.seed));
+    if (rays.cutLevels) add("levels=cut");
+    return words;
+}
+
 Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest& request, const Viewpoint& view, const Stereo& stereo) {
     // Neither device nor time nor folder: the same scene gives the same file on every machine.
     const Json tool = toolJson();
@@ -46,6 +58,7 @@ Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest&
     if (request.wire != WireView::seeThrough) metadata["wire"] = request.wire == WireView::solid ? "solid" : "culled";
     if (request.distantViewer) metadata["viewer"] = "distant";
     if (request.trade != Trade{}) metadata["trade"] = wordsOf({request, true});
+    if (const std::string rays = raysInWords(request.rays); !rays.empty()) metadata["rays"] = rays;
     metadata["camera"] = cameraJson(view.camera).dump();
     if (stereo.form != StereoForm::none) metadata["stereo"] = stereo.json().dump();
     metadata["determinism"] = "bits";
@@ -101,6 +114,7 @@ Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector
     json["view"] = view.name;
     json["camera"] = cameraJson(view.camera);
     json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}, {"transparent", request.transparent}, {"viewer", request.distantViewer ? "distant" : "local"}};
+    if (request.shading == Shading::ray) json["options"]["rays"] = raysInWords(request.rays);
     json["plan"] = planJson(result.plan);
     json["time_ms"] = Json::object();  // filled when the picture is written
     json["image"] = imageJson(result.frame, facts, blank);
@@ -129,6 +143,8 @@ Exit renderCommand(const Options& options) {
     for (const std::string& warning : scene.warnings) say(options, fmt::format("plumb: warning: {}", warning));
 
     RenderRequest request = requestOf(options, scene, size);
+    if (const std::string asked = raysAskedBy(scene); request.shading != Shading::ray && !asked.empty())
+        say(options, fmt::format("plumb: not drawn: reflection and refraction: {}; only --shading ray traces them", asked));
     scene.camera = views[0].camera;
     scene.lights = views[0].lights;
     if (!draws) {

@@ -140,6 +140,7 @@ Json countersJson(const RenderCounters& c) {
     for (const RenderCounters::RayCounts& r : c.rays)
         rays.push_back({{"primary", r.primary}, {"reflected", r.reflected}, {"refracted", r.refracted}, {"feelers", r.feelers}});
     json["undecidedRays"] = c.undecidedRays;
+    json["refinedPixels"] = c.refinedPixels;
     return json;
 }
 

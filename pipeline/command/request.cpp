@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace plumb {
 namespace {
@@ -21,6 +22,33 @@ uint32_t byteFromLinear(float linear, Encoding encoding) {
     const double x = std::clamp(double(linear), 0.0, 1.0);
     const double encoded = encoding == Encoding::linear ? x : x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
     return uint32_t(std::lround(encoded * 255));
+}
+
+// Stated, or what the scene asks for; what is stated of a raster shading keeps the raster.
+void chooseShading(const Options& options, const Scene& scene, RenderRequest& request) {
+    request.shading = options.shading.value_or(scene.shading.value_or(Shading::phong));
+    if (options.shading || scene.shading) return;
+    const std::string asked = raysAskedBy(scene);
+    if (asked.empty() || request.fill == Fill::notes || (!onlyRaysDraw(scene) && !options.trade.empty())) return;
+    request.shading = Shading::ray;
+    request.shadingReason = fmt::format("shading ray: {}; --shading overrides", asked);
+}
+
+void rayChoices(const Options& options, RenderRequest& request) {
+    const std::pair<const char*, bool> flags[] = {{"--sampling", options.sampling.has_value()},
+                                                  {"--jitter", options.jitterReflect || options.jitterRefract || options.jitterShadow},
+                                                  {"--seed", options.seed.has_value()},
+                                                  {"--levels", options.cutLevels.has_value()}};
+    for (const auto& [flag, given] : flags)
+        if (given && request.shading != Shading::ray) throw usageError(fmt::format("{} goes with --shading ray", flag));
+    RayChoices& rays = request.rays;
+    static_assert(int(Sampling::notes) == int(RayChoices::Sampling::notes) && int(Sampling::adaptive) == int(RayChoices::Sampling::adaptive));
+    rays.sampling = RayChoices::Sampling(options.sampling.value_or(Sampling::grid));
+    rays.jitterReflect = float(options.jitterReflect.value_or(0));
+    rays.jitterRefract = float(options.jitterRefract.value_or(0));
+    rays.jitterShadow = float(options.jitterShadow.value_or(0));
+    rays.seed = options.seed.value_or(0);
+    rays.cutLevels = options.cutLevels.value_or(false);
 }
 
 }  // namespace
@@ -39,7 +67,7 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     request.width = size.x;
     request.height = size.y;
     request.fill = options.fill.value_or(scene.fill.value_or(Fill::exact));
-    request.shading = options.shading.value_or(scene.shading.value_or(onlyRaysDraw(scene) && request.fill != Fill::notes ? Shading::ray : Shading::phong));
+    chooseShading(options, scene, request);
     request.wire = options.wire.value_or(scene.wire.value_or(WireView::seeThrough));
     request.wirePerPolygon = options.wirePerPolygon.value_or(scene.wirePerPolygon.value_or(false));
     if (request.shading != Shading::wire && (options.wire || options.wirePerPolygon)) throw usageError("--wire and --edges go with --shading wire");
@@ -50,6 +78,7 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     request.minWeight = float(options.minWeight.value_or(scene.minWeight));
     if (request.shading != Shading::ray && options.maxDepth) throw usageError("--max-depth goes with --shading ray");
     if (request.shading != Shading::ray && options.minWeight) throw usageError("--min-weight goes with --shading ray");
+    rayChoices(options, request);
     if (request.shading == Shading::ray && request.fill == Fill::notes) throw usageError("--fill notes is a fill of the raster shadings; --shading ray has none");
     request.encoding = options.encoding.value_or(scene.encoding.value_or(Encoding::srgb));
     request.samples = options.samples;

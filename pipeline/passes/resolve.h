@@ -10,9 +10,9 @@
 namespace plumb {
 
 // `samples`: linear RGB of the sample frame (3 floats each, background where nothing is drawn), `z` its z bits; both
-// (width side) x (height side). `pixels`: linear RGB, `rgba`: encoded.
+// (width side) x (height side), or, with `stride` 1 for side 2 (shared corners), (width + 1) x (height + 1). stride 0: side. `pixels`: linear RGB, `rgba`: encoded.
 void resolveCpu(uint32_t width, uint32_t height, uint32_t side, bool transparent, uint32_t encoding, std::span<const float> samples,
-                std::span<const int> z, std::span<float> pixels, std::span<uint32_t> rgba, uint32_t threads);
+                std::span<const int> z, std::span<float> pixels, std::span<uint32_t> rgba, uint32_t threads, uint32_t stride = 0);
 
 void recordResolve(Recorder& recorder, const gpu::ResolvePush& push, uint32_t encoding, bool linearOut, const Specialization& exact,
                    const RawBuffer& samplePlanes, const Buffer<uint32_t>& encodeTable, const Buffer<glm::uvec4>& colours,

@@ -33,6 +33,11 @@ struct TraceChoices {
     bool list = false;                         // keep waiting rays in a list; needed where a hit has two children
     bool shadows = true;
     bool count = true;
+    bool ballot = false;                       // device: counts are summed over subgroups (DeviceLimits::subgroupShuffle)
+    uint32_t sampling = gpu::kSampleGrid, side = 1;   // side: samples a pixel along an axis
+    std::span<const uint32_t> pixels;          // x | y << 16: the samples of these pixels alone, `side` rows of `side` a pixel; empty: of all
+    bool cutLevels = false;                    // colours in whole levels; no material has two children and no ray waits
+    float jitterMirror = 0, jitterPass = 0, jitterFeeler = 0;  // amounts of noise, at most 1/2
     gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
 };
 
@@ -56,7 +61,7 @@ struct TraceBuffers {
     Buffer<gpu::LightRecord> lights;
     Buffer<glm::vec4> corners;
     Buffer<glm::uvec4> triangles, nodes;
-    Buffer<uint32_t> encodeTable;
+    Buffer<uint32_t> encodeTable, pixels;
     Buffer<uint32_t> colours, planeWords;      // of a band
     Buffer<uint32_t> counters;                 // gpu::kCounters
     Buffer<uint32_t> waiting, states;          // list form: of the samples of one dispatch

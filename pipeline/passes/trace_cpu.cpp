@@ -16,7 +16,7 @@ struct TwinRay {
     float weight = 1;
     uint32_t from = gpu::kNoObject;
     bool inside = false;
-    uint32_t depth = 1, kind = gpu::kCountPrimary;
+    uint32_t depth = 1, kind = gpu::kCountPrimary, key = 0;
 };
 
 struct Nearest {
@@ -29,7 +29,7 @@ public:
     Tracer(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices)
         : push_(push), scene_(scene), choices_(choices), counters_(gpu::kCounters) {}
 
-    // The colour of the tree below `ray` is added to `colour`, each ray before its children.
+    // The colour of the tree below `ray` is added to `colour`, each ray before its children; in whole levels it becomes `colour`.
     struct Seen {
         Nearest hit;
         glm::vec3 normal{0};
@@ -39,7 +39,7 @@ public:
         Seen seen;
         seen.hit = nearest(ray);
         if (seen.hit.object == gpu::kNoObject) {
-            colour = colour + push_.sky * ray.weight;
+            colour = choices_.cutLevels ? gpu::wholeLevels(push_.sky) : colour + push_.sky * ray.weight;
             return seen;
         }
         uint32_t material = 0;
@@ -50,18 +50,26 @@ public:
                                                         : gpu::normalForLight(ray.direction, geometric, within ? -smooth_ : smooth_);
         const glm::vec3 q = gpu::leaveSurface(s.point, geometric, s.error);
         const gpu::TraceMaterial& m = scene_.materials[material];
+        glm::vec3 own(0);
         if (m.local > 0) {
             const glm::vec3 local = localColour(m, s, seen, ray, q, geometric, within);
-            colour = colour + local * (ray.weight * m.local);
+            if (choices_.cutLevels) own = gpu::wholeLevels(local) * m.local;
+            else colour = colour + local * (ray.weight * m.local);
         }
-        const gpu::Children next = gpu::childrenOf(ray.direction, seen.normal, within, m.reflect, m.transmit, m.index, m.inverseIndex,
+        gpu::Children next = gpu::childrenOf(ray.direction, seen.normal, within, m.reflect, m.transmit, m.index, m.inverseIndex,
                                                    ray.weight, ray.depth, push_.maxDepth, push_.minWeight);
+        const uint32_t mirrorKey = gpu::keyOfChild(ray.key, gpu::kCountReflected), passKey = gpu::keyOfChild(ray.key, gpu::kCountRefracted);
+        if (choices_.jitterMirror > 0) next.mirrorDirection = gpu::jittered(next.mirrorDirection, geometric, choices_.jitterMirror, mirrorKey);
+        if (choices_.jitterPass > 0) next.passDirection = gpu::jittered(next.passDirection, geometric, choices_.jitterPass, passKey);
+        glm::vec3 mirrored(0);
         if (next.mirror)
-            follow({q, next.mirrorDirection, next.mirrorWeight, seen.hit.object, within, ray.depth + 1, gpu::kCountReflected}, colour);
+            follow({q, next.mirrorDirection, next.mirrorWeight, seen.hit.object, within, ray.depth + 1, gpu::kCountReflected, mirrorKey},
+                   choices_.cutLevels ? mirrored : colour);
         if (next.pass)
             follow({gpu::leaveSurface(s.point, -geometric, s.error), next.passDirection, next.passWeight, seen.hit.object, !within,
-                    ray.depth + 1, gpu::kCountRefracted},
-                   colour);
+                    ray.depth + 1, gpu::kCountRefracted, passKey},
+                   choices_.cutLevels ? mirrored : colour);
+        if (choices_.cutLevels) colour = gpu::cutLevels(mirrored * m.reflect, own);
         return seen;
     }
 
@@ -185,12 +193,15 @@ private:
         const gpu::Surface surface{n.x, n.y, n.z, -d.x, -d.y, -d.z, s.point.x, s.point.y, s.point.z};
         const gpu::Reflectance k{m.diffuse.x,  m.diffuse.y,  m.diffuse.z, m.specular.x,
                                  m.specular.y, m.specular.z, m.shininess, m.zeroPower};
-        for (const gpu::LightRecord& light : scene_.lights) {
+        for (size_t i = 0; i < scene_.lights.size(); ++i) {
+            const gpu::LightRecord& light = scene_.lights[i];
             const glm::vec4 place(light.place, light.kind);
-            const gpu::Feeler feeler = gpu::feelerTo(place, q);
+            gpu::Feeler feeler = gpu::feelerTo(place, q);
             float share = 0;
             if (gpu::dot3(n, feeler.direction) > 0.0f && gpu::dot3(geometric, feeler.direction) > 0.0f) {
                 ++counters_[(ray.depth - 1) * gpu::kCountKinds + gpu::kCountFeelers];
+                if (choices_.jitterFeeler > 0)
+                    feeler.direction = gpu::jittered(feeler.direction, geometric, choices_.jitterFeeler, gpu::keyOfChild(ray.key, gpu::kFirstFeelerKey + uint32_t(i)));
                 share = choices_.shadows ? passed(q, feeler, seen.hit.object, within) : 1.0f;
             }
             gpu::addLight(place, glm::vec4(light.intensity * share, light.attenuation), surface, k, choices_.parts, c);
@@ -214,11 +225,19 @@ void traceCpu(const gpu::TracePush& push, const TraceScene& scene, const TraceCh
         Tracer tracer(push, scene, choices);
         for (uint64_t item = begin; item < end; ++item) {
             const uint64_t at = push.firstItem + item;
-            const uint64_t column = at % push.width, row = at / push.width;
+            uint32_t column = uint32_t(at % push.width), row = uint32_t(at / push.width);
+            if (!choices.pixels.empty()) {
+                const uint32_t pixel = choices.pixels[column / choices.side];
+                column = (pixel & 0xffffu) * choices.side + column % choices.side;
+                row = (pixel >> 16) * choices.side + row;
+            }
             TwinRay ray;
-            ray.direction = gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, float(column) + 0.5f, float(row) + 0.5f);
+            ray.key = gpu::keyOfSample(column, row, push.seed);
+            ray.direction = gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, gpu::columnOf(choices.sampling, column, choices.side, ray.key),
+                                                  gpu::rowOf(choices.sampling, row, choices.side, ray.key));
             glm::vec3 colour(0);
             const auto seen = tracer.follow(ray, colour);
+            if (choices.cutLevels) colour = colour * gpu::kOneLevel;
             const bool hits = seen.hit.object != gpu::kNoObject;
             output.distance[item] = hits ? gpu::ubitsOf(seen.hit.t) : 0u;
             output.object[item] = seen.hit.object;

@@ -288,7 +288,7 @@ void GpuFrame::resolve(uint32_t encoding, bool transparent, bool linearOut) {
     push.samplePlaneQuads = planeQuads_;
     push.zSlot = 0;
     push.linearSlot = planes_ & gpu::kFillPlaneTriangle ? 2 : 1;
-    push.side = side;
+    push.side = push.stride = side;
     push.transparent = transparent;
     recordResolve(recorder_, push, encoding, linearOut, exact_, planeBuffer_, encodeTable_, resolved_, resolvedLinear_);
     recorder_.run(watchdogMs_);

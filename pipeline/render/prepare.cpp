@@ -3,9 +3,12 @@
 
 #include "pipeline/render/polygons.h"
 #include "pipeline/scene/plain_floats.h"
+#include "pipeline/scene/ray_shares.h"
+#include "pipeline/scene/text.h"
 
 #include "pipeline/passes/encode.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -276,6 +279,42 @@ void checkSpheres(const Scene& scene, const RenderRequest& request) {
 
 }  // namespace
 
+namespace {
+
+// How --sampling names them.
+const char* wordsOf(RayChoices::Sampling sampling) {
+    switch (sampling) {
+        case RayChoices::Sampling::grid: return "grid";
+        case RayChoices::Sampling::centre: return "centre: every ray through the middle of its pixel";
+        case RayChoices::Sampling::random: return "random: a ray anywhere in each sample's square";
+        case RayChoices::Sampling::corners: return "corners: a ray through each corner, shared by up to four pixels";
+        case RayChoices::Sampling::adaptive: return "adaptive: corners, and the 16 samples of a grid where they differ";
+        case RayChoices::Sampling::notes: return "notes: through the lower right corner of each sample";
+    }
+    return "";
+}
+
+void checkRays(const RenderRequest& request) {
+    const RayChoices& rays = request.rays;
+    const bool corners = rays.sampling == RayChoices::Sampling::corners, adaptive = rays.sampling == RayChoices::Sampling::adaptive;
+    if ((corners || adaptive) && request.samples != 1) throw usageError(fmt::format("--sampling {} has its own number of samples; leave --samples out", corners ? "corners" : "adaptive"));
+    if (adaptive && std::max(request.width, request.height) > 16384) throw usageError("--sampling adaptive: a picture of at most 16384 pixels a side, four samples each");
+    if (corners && std::max(request.width, request.height) > 65535) throw usageError("--sampling corners: a picture of at most 65535 pixels a side, and one corner more");
+    for (const float amount : {rays.jitterReflect, rays.jitterRefract, rays.jitterShadow})
+        if (!(amount >= 0 && amount <= 0.5f)) throw usageError("--jitter: an amount is outside 0 to 0.5");
+    if (rays.cutLevels && request.encoding != Encoding::linear) throw usageError("--levels cut counts bytes as light: it goes with --encode linear");
+}
+
+void planRays(const RenderRequest& request, Plan& plan) {
+    const RayChoices& rays = request.rays;
+    if (rays.sampling != RayChoices::Sampling::grid) plan.choices.push_back(fmt::format("sampling {}", wordsOf(rays.sampling)));
+    for (const auto& [name, amount] : {std::pair("reflected rays", rays.jitterReflect), std::pair("refracted rays", rays.jitterRefract), std::pair("shadow feelers", rays.jitterShadow)})
+        if (amount > 0) plan.choices.push_back(fmt::format("noise of {:g} on {}, seed {}", amount, name, rays.seed));
+    if (rays.cutLevels) plan.choices.push_back("levels cut: colours are whole levels, cut after each ray");
+}
+
+}  // namespace
+
 Prepared prepare(const Scene& scene, const RenderRequest& request) {
     const PlainFloats plain;
     PLUMB_ASSERT(scene.camera.has_value());
@@ -325,6 +364,9 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
         throw inputError(scene.path, "it has spheres or planes, which only --shading ray draws, spheres --fill notes too");
     for (uint32_t i = 0; discs && i < scene.spheres.size(); ++i)
         list.sphereMaterial.push_back(slotOfMaterial(list, scene, scene.spheres[i].material, materialSlot, false));
+    if (rays) checkRays(request);
+    if (const std::string asked = rays ? std::string() : raysAskedBy(scene); !asked.empty())
+        p.plan.dropped.push_back({"reflection and refraction", asked + "; only --shading ray traces them"});
     for (uint32_t i = 0; !rays && i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
         const TriangleMesh& mesh = scene.meshes[object.mesh];
@@ -343,6 +385,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     p.backgroundLinear = request.background;
     p.background = encodePixelCpu(p.choices.encoding, background, request.transparent ? 0 : 255);
     Plan& plan = p.plan;
+    if (!request.shadingReason.empty()) plan.choices.push_back(request.shadingReason);
     if (request.shading == Shading::wire) {
         plan.passes = {"transform", "lines"};
         if (request.wire == WireView::solid) {
@@ -353,6 +396,8 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
         if (request.wirePerPolygon) plan.choices.push_back("edges: as often as polygons have them");
     } else if (rays) {
         plan.passes = {"trace"};
+        planRays(request, plan);
+        if (request.rays.sampling == RayChoices::Sampling::corners || request.rays.sampling == RayChoices::Sampling::adaptive) plan.passes.push_back("resolve");
     } else if (discs) {
         plan.passes = {"spheres"};
         plan.choices.push_back(fmt::format("fill notes: spheres pixel by pixel in parallel projection, z {}", scene.wholeSphereHeights ? "rounded to whole numbers" : "not rounded"));
@@ -394,6 +439,22 @@ bool drawsSpheres(const Scene& scene, const RenderRequest& request) {
 }
 
 bool onlyRaysDraw(const Scene& scene) { return !scene.spheres.empty() || !scene.planes.empty(); }
+
+std::string raysAskedBy(const Scene& scene) {
+    if (onlyRaysDraw(scene)) return "the scene has spheres or planes, which only rays meet";
+    std::vector<bool> asks(scene.materials.size());
+    for (size_t i = 0; i < asks.size(); ++i) asks[i] = asksForRays(scene.materials[i]);
+    if (std::find(asks.begin(), asks.end(), true) == asks.end()) return {};
+    for (const Object& object : scene.objects)
+        for (const uint32_t material : scene.meshes[object.mesh].faceMaterial) {
+            if (!asks[material]) continue;
+            const Material& m = scene.materials[material];
+            const RayShares s = raySharesOf(m);
+            return s.transmit > 0 ? fmt::format("material '{}' transmits {:g}", printable(m.name, 64), s.transmit)
+                                  : fmt::format("material '{}' reflects {:g}", printable(m.name, 64), s.reflect);
+        }
+    return {};
+}
 
 Plan planRender(const Scene& scene, const RenderRequest& request) { return prepare(scene, request).plan; }
 

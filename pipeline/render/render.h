@@ -25,9 +25,27 @@ struct Trade {
     bool operator==(const Trade&) const = default;
 };
 
+// Where rays pass through a pixel, how they spread, and how their colours add up (Shading::ray; docs/rays.md).
+struct RayChoices {
+    enum class Sampling {
+        grid,                             // the middle of each sample's square
+        centre,                           // every sample through the pixel's middle
+        random,                           // anywhere in the sample's square
+        corners,                          // the pixel's corners, each ray shared by up to four pixels; samples 1
+        adaptive,                         // corners; where they differ by more than kCornerLevels, the 16 samples of the grid instead; samples 1
+        notes,                            // each sample's lower right corner, where the notes' C program looks
+    };
+    Sampling sampling = Sampling::grid;
+    float jitterReflect = 0, jitterRefract = 0, jitterShadow = 0;  // noise on unit vectors, 0 to 1/2
+    uint32_t seed = 0;                    // of the noise and of Sampling::random
+    bool cutLevels = false;               // whole levels, cut after each ray, as the notes' C program adds colours; Encoding::linear
+};
+inline constexpr int kCornerLevels = 4;   // of an encoded channel
+
 struct RenderRequest {
     uint32_t width = 640, height = 480;
     Shading shading = Shading::phong;
+    std::string shadingReason;            // why, where nobody stated it; for the plan
     Fill fill = Fill::exact;
     WireView wire = WireView::seeThrough;
     bool wirePerPolygon = false;          // each edge as often as polygons have it (section 2 of the notes); WireView::solid always does
@@ -46,6 +64,7 @@ struct RenderRequest {
     double watchdogMs = 60000;
     uint32_t maxDepth = 5;                // rays one after another, 1 to 64 (Shading::ray)
     float minWeight = 0;                  // a ray that weighs less is not followed
+    RayChoices rays;
     uint32_t rayLimit = 0;                // tests: rays that a sample follows in one dispatch; forces the list form. 0: as the scene asks
     bool keepEverything = false;          // drop nothing that a plan would drop (tests of the drops)
 };
@@ -66,6 +85,7 @@ struct RenderCounters {
     uint64_t chunks = 0, bands = 0, binEntries = 0, edges = 0;
     struct RayCounts { uint64_t primary = 0, reflected = 0, refracted = 0, feelers = 0; };
     std::vector<RayCounts> rays;          // by depth, first the primary rays'; empty unless rays were traced
+    uint64_t refinedPixels = 0;           // RayChoices::Sampling::adaptive: pixels whose corners differ
     uint64_t undecidedRays = 0;           // parallel to a plane within rounding: counted as no hit
 };
 
@@ -82,6 +102,8 @@ bool drawsSpheres(const Scene&, const RenderRequest&);
 
 // What a scene has that no raster pass of triangles draws.
 bool onlyRaysDraw(const Scene&);
+// Why a scene is to be traced: what it has, or what a material of an object asks for. Empty: nothing asks.
+std::string raysAskedBy(const Scene&);
 
 Plan planRender(const Scene&, const RenderRequest&);
 RenderResult renderCpu(const Scene&, const RenderRequest&);             // the twin

@@ -18,6 +18,24 @@ gpu::TracePush tracePushOf(const Prepared& prepared, const RenderRequest& reques
 uint64_t stepsOfRay(const TraceScene& traced);
 
 void traceFrameCpu(const Prepared& prepared, const Scene& scene, const RenderRequest& request, RenderResult& result);
+// A picture that stays on the device, drawn again and again: nothing is uploaded after the first.
+class ResidentTrace {
+public:
+    ResidentTrace(Device& device, const Scene& scene, const RenderRequest& request);
+    ~ResidentTrace();
+    ResidentTrace(const ResidentTrace&) = delete;
+    ResidentTrace& operator=(const ResidentTrace&) = delete;
+    bool draw();                          // false, and nothing is drawn: the picture takes samples that are resolved, or several bands
+    std::span<const uint32_t> colours() const;  // alpha 0 where nothing is hit
+    uint32_t pitch() const;
+    RenderCounters counters() const;      // of the last draw()
+    Recorder& recorder();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
 void traceFrameGpu(Device& device, const Prepared& prepared, const Scene& scene, const RenderRequest& request, RenderResult& result);
 
 }  // namespace plumb

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/trace_frame.h"
+#include "pipeline/render/trace_samples.h"
 
 #include "pipeline/passes/tree.h"
+#include "pipeline/scene/ray_shares.h"
 
 #include <algorithm>
 #include <cmath>
@@ -128,15 +129,10 @@ private:
         t.diffuse = m.diffuse;
         t.zeroPower = m.shininess == 0 ? 1.0f : 0.0f;
         t.specular = m.specular;
-        t.reflect = m.reflect;
-        t.transmit = m.transmit;
-        if (m.local < 0 && m.illum >= 3) {
-            // MTL: 3, 5, 8 mirror; 4, 6, 7, 9 are glass. The share that is mirrored is the largest of Ks.
-            const bool glass = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
-            t.transmit = glass ? 1 - m.opacity : 0.0f;
-            t.reflect = std::min(std::max({m.specular.x, m.specular.y, m.specular.z}), 1 - t.transmit);
-        }
-        t.local = m.local >= 0 ? m.local : std::max(0.0f, 1 - t.reflect - t.transmit);
+        const RayShares shares = raySharesOf(m);
+        t.local = shares.local;
+        t.reflect = shares.reflect;
+        t.transmit = shares.transmit;
         t.index = m.refractiveIndex;
         t.inverseIndex = 1 / m.refractiveIndex;
         out_.branching |= t.reflect > 0 && t.transmit > 0;
@@ -162,6 +158,14 @@ TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, co
     TraceChoices c;
     c.encoding = prepared.choices.encoding;
     c.list = traced.branching || request.rayLimit != 0;
+    c.sampling = sampleGridOf(prepared, request).sampling;
+    c.side = prepared.side;
+    c.jitterMirror = request.rays.jitterReflect;
+    c.jitterPass = request.rays.jitterRefract;
+    c.jitterFeeler = request.rays.jitterShadow;
+    c.cutLevels = request.rays.cutLevels;
+    if (c.cutLevels && traced.branching)
+        throw inputError(scene.path, "a material both reflects and refracts; --levels cut is of paths with one ray after another");
     c.shadows = scene.shadows;
     c.parts.specular = request.keepEverything;
     c.parts.point = request.keepEverything;

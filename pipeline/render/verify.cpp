@@ -231,6 +231,7 @@ private:
             differ(fmt::format("refracted rays of depth {}", i + 1), a.rays[i].refracted, b.rays[i].refracted);
             differ(fmt::format("feelers of depth {}", i + 1), a.rays[i].feelers, b.rays[i].feelers);
         }
+        differ("refined pixels", a.refinedPixels, b.refinedPixels);
         differ("undecided rays", a.undecidedRays, b.undecidedRays);
     }
 

@@ -25,6 +25,7 @@ struct Material {
     float reflect = 0.0f;          // weight of the mirrored ray (--shading ray)
     float transmit = 0.0f;         // weight of the refracted ray, and what a shadow feeler keeps
     float local = -1.0f;           // weight of the local colour; negative: what the other two leave of 1
+    bool statesRays = false;       // reflect or transmit was stated above 0
     int illum = 2;
 };
 

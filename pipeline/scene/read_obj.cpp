@@ -2,6 +2,7 @@
 // Wavefront OBJ and its material libraries (Wavefront "Advanced Visualizer" manual, appendix B1, and the MTL text of
 // 1995). Polygons only: free-form curves and surfaces, lines and points are named in `ignored`.
 #include "pipeline/scene/load.h"
+#include "pipeline/scene/ray_shares.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -268,12 +269,11 @@ private:
             const float inside = std::clamp(value, 0.0f, 1.0f);
             clamped |= inside != value;
             material.opacity = key == "d" ? inside : 1.0f - inside;
-            if (material.opacity < 1) ignore(in, "transparency (d, Tr)");
         } else if (key == "illum") {
             const int64_t value = in.integer(in.word(), "illum");
             if (value < 0 || value > 10) in.refuse("illum is not in 0 to 10");
             material.illum = int(value);
-            if (value >= 3) ignore(in, "reflection and refraction (illum 3 to 10)");
+            if (value == 10) ignore(in, "shadows on invisible surfaces (illum 10)");
         } else {
             unknown(in, key, "MTL");
         }
@@ -297,6 +297,11 @@ private:
             if (defined.clamped && clamped++ == 0) firstClamped = defined.place;
             indexOf[used] = uint32_t(mesh_.materials.size());
             Material& material = mesh_.materials.emplace_back(defined.material);
+            if (material.opacity < 1 && !illumIsGlass(material.illum)) {
+                const std::string what = "transparency (d, Tr)";
+                if (options_.strict) throw inputError(defined.place, what + " would be ignored (--strict)");
+                if (std::find(mesh_.ignored.begin(), mesh_.ignored.end(), what) == mesh_.ignored.end()) mesh_.ignored.push_back(what);
+            }
             // illum 0 is the colour Kd without any light; 0 and 1 have no highlight, whatever Ks says.
             if (material.illum < 2) material.specular = glm::vec3(0);
             if (material.illum == 0) {

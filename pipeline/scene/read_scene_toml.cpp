@@ -499,6 +499,7 @@ void SceneFile::readWeights(const toml::table& table, Material& material) const 
     material.reflect = float(reflect);
     material.transmit = float(transmit);
     material.local = float(local);
+    material.statesRays = reflect > 0 || (table.get("transmit") && transmit > 0);
 }
 
 uint32_t SceneFile::materialNamed(const toml::node& node, const std::string& field) const {

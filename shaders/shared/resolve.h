@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Contract of the resolve pass: s x s samples of an ordered grid -> one pixel, in linear light. Samples are added row by row.
+// Contract of the resolve pass: s x s samples -> one pixel, in linear light. Samples are added row by row; they are the pixel's own, or
+// its four corners, which it shares with its neighbours (stride 1).
 // Opaque: the mean of all samples, background included. Transparent: the mean of the covered samples, and their share as alpha.
 #ifndef PLUMB_RESOLVE_H
 #define PLUMB_RESOLVE_H
@@ -15,6 +16,7 @@ struct ResolvePush {
     uint samplePlaneQuads;
     uint zSlot, linearSlot;             // plane numbers in the sample planes
     uint side;                          // s: 1, 2 or 4
+    uint stride;                        // samples from pixel to pixel: s, or 1 where neighbours share their corners (s = 2)
     uint transparent;
 };
 

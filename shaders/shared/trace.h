@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Contract of the trace pass: light transport of the notes (18.1 to 18.4.3).
+// Sums in whole levels are the other form (kCutLevels, sampling.h): of a path with one child a hit, from its end to the eye.
 //   colour of a ray = local weight * Phong with shadow feelers + reflect * colour of the mirrored ray + transmit * colour of the refracted ray,
 // a ray that hits nothing has the sky's. It is summed as weight of the path * local colour, each ray before its children and the mirrored
 // child's whole tree before the refracted one's: this order is part of the contract, so however the rays are kept the bytes are the same.
 #ifndef PLUMB_TRACE_H
 #define PLUMB_TRACE_H
+#include "sampling.h"
 #include "triangle.h"
 SHARED_BEGIN
 
@@ -44,8 +46,8 @@ SHARED_CONST uint kTracePlaneObject = 2u;   // kNoObject where nothing is hit
 SHARED_CONST uint kTracePlaneLinear = 4u;   // three planes
 SHARED_CONST uint kTracePlaneNormal = 8u;   // three planes: world, unit, facing the eye
 
-// A ray that waits for its turn: origin, direction, weight, object it starts on, depth << 3 | kind << 1 | inside.
-SHARED_CONST uint kWaitingWords = 9u;
+// A ray that waits for its turn: origin, direction, weight, object it starts on, depth << 3 | kind << 1 | inside, key of its noise.
+SHARED_CONST uint kWaitingWords = 10u;
 // Of a sample between two dispatches: colour so far, rays that wait.
 SHARED_CONST uint kStateWords = 4u;
 
@@ -64,6 +66,7 @@ struct TracePush {
     float minWeight;
     vec3 rayOrigin, rayX, rayY;         // direction to sample (x, y), forward component 1
     vec3 sky;
+    uint seed;                          // of the noise
 };
 
 SHARED_FN vec3 primaryDirection(vec3 origin, vec3 perX, vec3 perY, float x, float y) {

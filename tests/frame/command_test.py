@@ -348,6 +348,89 @@ class Verify(Command):
         self.assertEqual(self.files(), ["cube.obj"])
 
 
+MIRROR = """[[material]]
+name = "m"
+reflect = 0.5
+[[mesh]]
+name = "c"
+file = "cube.obj"
+material = "m"
+[[object]]
+mesh = "c"
+
+[[light]]
+type = "directional"
+direction = [0, 1, 1]
+"""
+SPHERE = """encoding = "linear"
+[camera]
+eye = [0, 1, 6]
+at = [0, 0, 0]
+[[material]]
+name = "m"
+reflect = 0.5
+[[sphere]]
+centre = [0, 0, 0]
+radius = 1
+material = "m"
+[[plane]]
+point = [0, -1, 0]
+normal = [0, 1, 0]
+[[light]]
+type = "directional"
+direction = [0, 1, 1]
+"""
+
+
+class Rays(Command):
+    """What asks for rays, how they pass through pixels, and what is said about it."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("mirror.toml", MIRROR)
+        self.write("sphere.toml", SPHERE)
+
+    def test_a_material_asks_for_rays_and_a_flag_overrides(self):
+        done = self.twin(0, "render", "mirror.toml", "--explain")
+        self.assertIn(b"choice: shading ray: material 'm' reflects 0.5; --shading overrides", done.stdout)
+        done = self.twin(0, "render", "mirror.toml", "--explain", "--shading", "phong")
+        self.assertIn(b"dropped: reflection and refraction: material 'm' reflects 0.5; only --shading ray traces them", done.stdout)
+        self.assertIn(b"not drawn: reflection and refraction", done.stderr)
+        done = self.twin(0, "render", "cube.obj", "--explain")
+        self.assertNotIn(b"ray", done.stdout)
+
+    def test_illum_of_a_material_library_asks_for_rays(self):
+        self.write("glass.mtl", "newmtl g\nKd 1 0 0\nKs 0.2 0.2 0.2\nd 0.25\nNi 1.5\nillum 6\n")
+        self.write("glass.obj", "mtllib glass.mtl\nusemtl g\n" + CUBE)
+        done = self.twin(0, "render", "glass.obj", "--explain", "--strict")
+        self.assertIn(b"shading ray: material 'g' transmits 0.75", done.stdout)
+        self.assertNotIn(b"not drawn", done.stderr)
+
+    def test_each_sampling_is_the_same_on_both_sides(self):
+        for i, flags in enumerate((["--sampling", "random", "--samples", "4", "--seed", "3"], ["--sampling", "corners"], ["--sampling", "adaptive"],
+                                   ["--jitter", "reflect=0.1,shadow=0.05", "--samples", "4", "--sampling", "centre"], ["--sampling", "notes", "--levels", "cut"])):
+            self.expect(0, "render", "sphere.toml", "-o", f"d{i}.png", "--size", "64x48", *flags)
+            self.twin(0, "render", "sphere.toml", "-o", f"t{i}.png", *flags)
+            self.assertEqual(self.read(f"d{i}.png"), self.read(f"t{i}.png"), flags)
+            self.expect(0, "verify", "sphere.toml", "--size", "64x48", *flags)
+        self.assertEqual(len({self.read(f"d{i}.png") for i in range(5)}), 5)
+
+    def test_refusals(self):
+        self.twin(2, "render", "cube.obj", "-o", "a.png", "--sampling", "corners", says="--sampling goes with --shading ray")
+        self.twin(2, "render", "cube.obj", "-o", "a.png", "--jitter", "shadow=0.1", says="--jitter goes with --shading ray")
+        self.twin(2, "render", "sphere.toml", "-o", "a.png", "--sampling", "corners", "--samples", "4", says="leave --samples out")
+        self.twin(2, "render", "sphere.toml", "-o", "a.png", "--levels", "cut", "--encode", "srgb", says="--encode linear")
+        self.write("bad.toml", SPHERE.replace("radius = 1", "radius = -1"))
+        self.twin(3, "render", "bad.toml", "-o", "a.png", says="bad.toml:10:10: sphere.radius is -1, not above 0")
+        self.write("bad.toml", SPHERE.replace("normal = [0, 1, 0]", "normal = [0, 0, 0]"))
+        self.twin(3, "render", "bad.toml", "-o", "a.png", says="bad.toml:14:10: plane.normal is the zero vector")
+        self.write("bad.toml", SPHERE.replace("reflect = 0.5", "reflect = 0.5\ndensity = 0"))
+        self.twin(3, "render", "bad.toml", "-o", "a.png", says="bad.toml:8:11: material.density is 0, outside 0.01 to 100")
+        self.write("bad.toml", SPHERE.replace("reflect = 0.5", "reflect = 0.5\nlocal = 0.75"))
+        self.twin(3, "render", "bad.toml", "-o", "a.png", says="add up to more than 1")
+        self.assertEqual([f for f in self.files() if f.endswith(".png")], [])
+
+
 class Bench(Command):
     """The benchmarks run and their pictures and results agree; a time is nothing that a test may judge."""
 
@@ -408,9 +491,25 @@ class Bench(Command):
         text = self.expect(0, "bench", "claims", "sphere1e3", "--size", "64x48", "--repeat", "3").stdout.decode()
         self.assertIn("of the first", text)
 
+    def test_trace_draws_the_picture_of_plain_code_and_of_embree(self):
+        done = self.expect(0, "bench", "trace", "spheres4", "spheres20", "mesh1e5", "--size", "321x200", "--repeat", "3", "--json")
+        report = json.loads(done.stdout)
+        names = [row["name"] for row in report["rows"]]
+        self.assertEqual(names[:2], ["spheres4", "spheres20"])
+        if report["absent"]:
+            self.assertIn("Embree", report["absent"][0])
+        else:
+            self.assertEqual(names[2:], ["mesh1e5 embree", "mesh1e5 embree-robust"])
+        for row in report["rows"]:
+            self.assertEqual(row["agreement"]["failure"], "", row)
+            self.assertGreaterEqual(row["rays"], 321 * 200)
+            self.assertEqual(row["ratio"]["count"], 3)
+        self.assertGreater(report["rows"][0]["feelers"], 10000)
+
     def test_refusals(self):
+        self.expect(2, "bench", "rater", says="accepted: raster, matrix, claims, trace")
+        self.expect(2, "bench", "trace", "spheres7", says="is no row; accepted: spheres4")
         self.expect(2, "bench", "claims", "knot1e3", says="sphereN")
-        self.expect(2, "bench", "rater", says="accepted: raster, matrix, claims")
         self.expect(2, "bench", "raster", "sphere7", says="is no row")
         self.expect(2, "bench", "matrix", "1.5", says="is no count")
         self.expect(3, "bench", "raster", "nothing.obj", says="nothing.obj")

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Section 18: rays. Where the product has the step, it is asked in float32; the notes' intermediate numbers are their formulas in binary64.
+#include "pipeline/passes/resolve.h"
 #include "pipeline/render/trace_frame.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/sha256.h"
@@ -217,6 +218,38 @@ GOLDEN(s183_checker_boundaries) {
         EXPECT_EQ(colourAt(points[i][0].get<double>(), points[i][1].get<double>(), e.input("square").get<double>()), colours[i].get<std::string>()) << points[i];
 }
 
+// Primary rays of a picture of the sky, by the twin's counters.
+uint64_t primaryRays(uint32_t width, uint32_t height, RayChoices::Sampling sampling, uint32_t samples) {
+    RenderRequest request;
+    request.width = width;
+    request.height = height;
+    request.shading = Shading::ray;
+    request.maxDepth = 1;
+    request.samples = samples;
+    request.rays.sampling = sampling;
+    return renderCpu(test::rayScene(), request).counters.rays[0].primary;
+}
+GOLDEN(s1841_corner_sharing) {
+    const auto n = e.input("N").get<uint32_t>(), m = e.input("M").get<uint32_t>();
+    const uint64_t centre = primaryRays(n, m, RayChoices::Sampling::grid, 1), corners = primaryRays(n, m, RayChoices::Sampling::corners, 1);
+    e.exactly("rays_centre", centre);
+    e.exactly("rays_corners", corners);
+    e.exactly("extra_rays", corners - centre);
+    e.binary64("extra_percent", 100 * double(corners - centre) / double(centre));
+    e.exactly("rays_naive_4x", 100 * primaryRays(n / 10, m / 10, RayChoices::Sampling::grid, 4));  // four a pixel: a hundredth of the picture
+}
+GOLDEN(s1841_corner_average) {
+    std::vector<float> linear;
+    for (const Json& row : e.input("corner_values"))
+        for (const Json& value : row)
+            for (int k = 0; k < 3; ++k) linear.push_back(value.get<float>());
+    const std::vector<int> covered(4, 1);
+    std::vector<float> pixel(3);
+    std::vector<uint32_t> rgba(1);
+    resolveCpu(1, 1, 2, false, gpu::kEncodeLinear, linear, covered, pixel, rgba, 1, 1);
+    e.exactly("mean", pixel[0]);
+}
+
 GOLDEN(s1842_adaptive_depth) {
     const auto share = e.input("reflectivity_of_surfaces").get<std::vector<float>>();
     const float cutoff = e.input("cutoff").get<float>();
@@ -386,6 +419,23 @@ struct ProductFrame {
         return kOne;
     }
 };
+// The same in whole levels: plumb render scenes/notes-spheres.toml --sampling notes --levels cut.
+const Frame& cutFrame() {
+    static const Frame kOne = [] {
+        const Scene scene = loadScene({std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes/notes-spheres.toml"}, {});
+        RenderRequest request;
+        request.width = request.height = 1200;
+        request.shading = Shading::ray;
+        request.encoding = Encoding::linear;
+        request.background = *scene.background;
+        request.maxDepth = scene.maxDepth;
+        request.rays.sampling = RayChoices::Sampling::notes;
+        request.rays.cutLevels = true;
+        return renderCpu(scene, request).frame;
+    }();
+    return kOne;
+}
+int levelOf(const Frame& frame, size_t pixel, size_t channel) { return int(frame.rgba[pixel] >> (8 * channel) & 255u); }
 constexpr uint32_t kBoard = 2;  // spheres 0 and 1, then the plane
 
 GOLDEN(s185_scene) {
@@ -419,6 +469,7 @@ GOLDEN(s185_sample_pixels) {
             const double got = frame.rgb(pixel)[k].get<double>();
             EXPECT_GE(got, want - tolerance().colourLevels) << s;
             EXPECT_LE(got, want + cut + tolerance().colourLevels) << s;
+            EXPECT_EQ(levelOf(cutFrame(), frame.at(pixel), k), want) << s;
         }
         if (!s[4].is_null()) {
             EXPECT_NEAR(frame.t(pixel), s[4].get<double>(), tolerance().float32 * std::max(1.0, s[4].get<double>())) << s;
@@ -464,6 +515,36 @@ GOLDEN(s185_frame_statistics) {
     // coordinates (docs/accuracy.md, rays), 2^-10 units at 1600; a pixel is 1.6 units or more there.
     constexpr double kEdge = 0x1p-10;
     const ProductFrame& frame = ProductFrame::get();
+    // Whole levels of the product: one level apart where 0.7 r + 0.3 l is whole but for the rounding of float32 or of binary64; more only within
+    // kEdge of an edge, as seen by the first ray: a mirror magnifies that offset and the errors of a hit alike, and what a later ray adds (9 u of
+    // its length, 2^-7 units at 8000) is below what the offset has grown to on the board (2 * 8000 / 250 * 1.6 kEdge).
+    std::array<uint64_t, 2> levels{};
+    for (int y = 1; y <= 1200; ++y)
+        for (int x = 1; x <= 1200; ++x) {
+            const size_t pixel = size_t(y - 1) * 1200 + size_t(x - 1);
+            const auto apart = [&](const auto& rgb) {
+                int most = 0;
+                for (size_t k = 0; k < 3; ++k) most = std::max(most, std::abs(levelOf(cutFrame(), pixel, k) - int(rgb[k])));
+                return most;
+            };
+            const int most = apart(std::span(program.bytes).subspan(3 * pixel, 3));
+            if (most <= 1) {
+                levels[0] += most == 1;
+                continue;
+            }
+            ++levels[1];
+            bool near = false;
+            for (const double dx : {-kEdge, 0.0, kEdge})
+                for (const double dy : {-kEdge, 0.0, kEdge}) {
+                    uint64_t calls = 0;
+                    CProgram::Traced seen{};
+                    program.trace(5, {0, 0, -800}, {x - 600 + dx, 600 - y + dy, 800}, seen.rgb, seen, calls);
+                    near |= apart(seen.rgb) <= 1;
+                }
+            EXPECT_TRUE(near) << "pixel " << x << ", " << y << ": " << most << " levels apart";
+        }
+    std::printf("18.5 in whole levels: %llu of 1440000 pixels are one level apart, %llu more, each within 2^-10 px of an edge\n", static_cast<unsigned long long>(levels[0]),
+                static_cast<unsigned long long>(levels[1]));
     uint64_t differing = 0;
     for (int y = 1; y <= 1200; ++y)
         for (int x = 1; x <= 1200; ++x) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstdio>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace {
 // coordinates below 2^9 px from the centre, twice, since both sides round).
 constexpr double kEdge = 0x1p-9 + 0x1p-12;
 
-class RasterAndRays : public ::testing::TestWithParam<const char*> {};
+class RasterAndRays : public ::testing::TestWithParam<std::string> {};
 
 double distanceToSegment(glm::dvec2 p, glm::dvec2 a, glm::dvec2 b) {
     const glm::dvec2 e = b - a;
@@ -76,13 +77,25 @@ TEST_P(RasterAndRays, SeeTheSamePrimitive) {
             ADD_FAILURE() << fmt::format("pixel ({}, {}): raster has object {} primitive {} at {}, rays have object {} primitive {} at {}", x, y, int(raster.object[i]),
                                          int(raster.primitive[i]), a, int(rays.object[i]), int(rays.primitive[i]), b);
         }
-    std::printf("%s: %d pixels covered, %d differ within %.5f px of an edge, %d of them at equal depth\n", GetParam(), covered, differing, kEdge, equalDepth);
+    std::printf("%s: %d pixels covered, %d differ within %.5f px of an edge, %d of them at equal depth\n", GetParam().c_str(), covered, differing, kEdge, equalDepth);
     EXPECT_GT(covered, 1000);
 }
 
+// Every mesh file under scenes/, so that none is forgotten.
+std::vector<std::string> committedMeshes() {
+    const std::filesystem::path scenes = std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes";
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(scenes)) {
+        const std::string extension = entry.path().extension().string();
+        if (extension == ".obj" || extension == ".ply" || extension == ".off" || extension == ".stl" || extension == ".gltf" || extension == ".glb")
+            names.push_back(std::filesystem::relative(entry.path(), scenes).generic_string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
 INSTANTIATE_TEST_SUITE_P(Meshes, RasterAndRays,
-                         ::testing::Values("apple/apple.ply", "cornell/cornell_box.obj", "mug/mug.obj", "suzanne/suzanne.obj", "procedural/gear.obj",
-                                           "procedural/icosphere.ply", "procedural/menger.off", "procedural/slivers.stl", "procedural/torus.obj"),
+                         ::testing::ValuesIn(committedMeshes()),
                          [](const auto& info) {
                              std::string name = info.param;
                              std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
@@ -110,7 +123,8 @@ TEST(TraceStress, NoRayLeaksThroughAClosedMesh) {
             ASSERT_EQ(nodes.size(), 2 * (2 * mesh.triangles.size() - 1));
             const auto floats = [](const glm::uvec4& words) { return glm::vec3(gpu::realOf(int(words.x)), gpu::realOf(int(words.y)), gpu::realOf(int(words.z))); };
             // A million radii away all boxes are alike, and every ray opens all of them.
-            const int rays = offset < 1e6 ? 50000 : 1000;
+            const bool all = std::getenv("PLUMB_LONG") != nullptr;
+            const int rays = offset < 1e6 ? (all ? 1000000 : 66400) : all ? 100000 : 1000;  // 1,001,000 in all, or a million each
             for (int i = 0; i < rays; ++i) {
                 const size_t triangle = size_t(r(0, double(mesh.triangles.size()) - 0.001));
                 const glm::vec3 &a = corners[3 * triangle + size_t(i % 3)], &b = corners[3 * triangle + size_t((i + 1) % 3)];

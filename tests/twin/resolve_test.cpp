@@ -11,6 +11,7 @@ struct Row {
     uint32_t width, height, side;
     bool transparent;
     uint32_t encoding;
+    uint32_t stride = 0;   // 0: side
 };
 std::ostream& operator<<(std::ostream& out, const Row& r) { return out << r.width << 'x' << r.height << " side " << r.side; }
 
@@ -18,7 +19,8 @@ class ResolveTwin : public OnDevice<::testing::TestWithParam<Row>> {};
 
 TEST_P(ResolveTwin, LeavesTheSameBytes) {
     const Row& row = GetParam();
-    const size_t width = size_t(row.width) * row.side, height = size_t(row.height) * row.side;
+    const uint32_t stride = row.stride ? row.stride : row.side;
+    const size_t width = size_t(row.width - 1) * stride + row.side, height = size_t(row.height - 1) * stride + row.side;
     Random r(47);
     std::vector<float> samples(3 * width * height);
     std::vector<int> z(width * height);
@@ -32,7 +34,7 @@ TEST_P(ResolveTwin, LeavesTheSameBytes) {
     }
     std::vector<float> pixels(3 * size_t(row.width) * row.height);
     std::vector<uint32_t> rgba(size_t(row.width) * row.height);
-    resolveCpu(row.width, row.height, row.side, row.transparent, row.encoding, samples, z, pixels, rgba, 1);
+    resolveCpu(row.width, row.height, row.side, row.transparent, row.encoding, samples, z, pixels, rgba, 1, row.stride);
 
     const uint32_t sampleRowQuads = uint32_t((width + 15) / 16 * 4), planeQuads = sampleRowQuads * uint32_t((height + 7) / 8 * 8);
     std::vector<glm::uvec4> planes(size_t(planeQuads) * 5, glm::uvec4(0x7fc00000u));  // NaN where no sample is
@@ -53,6 +55,7 @@ TEST_P(ResolveTwin, LeavesTheSameBytes) {
         push.zSlot = 1;
         push.linearSlot = 2;
         push.side = row.side;
+        push.stride = stride;
         push.transparent = row.transparent;
         Recorder recorder(device());
         auto p = bufferOf(device(), planes);
@@ -85,11 +88,13 @@ std::vector<Row> rows() {
         for (uint32_t side : {1u, 2u, 4u})
             for (bool transparent : {false, true})
                 for (uint32_t encoding : {gpu::kEncodeSrgb, gpu::kEncodeLinear}) all.push_back({w, h, side, transparent, encoding});
+    for (auto [w, h] : {std::pair{1u, 1u}, {19u, 1u}, {131u, 67u}})
+        for (bool transparent : {false, true}) all.push_back({w, h, 2, transparent, gpu::kEncodeSrgb, 1});
     return all;
 }
 INSTANTIATE_TEST_SUITE_P(Rows, ResolveTwin, ::testing::ValuesIn(rows()), [](const auto& info) {
     const Row& r = info.param;
-    return fmt::format("{}x{}_side{}_{}_{}", r.width, r.height, r.side, r.transparent ? "transparent" : "opaque", r.encoding ? "linear" : "srgb");
+    return fmt::format("{}x{}_side{}{}_{}_{}", r.width, r.height, r.side, r.stride ? "_shared" : "", r.transparent ? "transparent" : "opaque", r.encoding ? "linear" : "srgb");
 });
 
 }  // namespace

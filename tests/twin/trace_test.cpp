@@ -112,6 +112,7 @@ TEST_P(TraceTwin, BothFormsOfDivisionLeaveTheSameBytes) {
         b.triangles = atLeastOne(traced.triangles);
         b.nodes = atLeastOne(traced.nodes);
         b.encodeTable = bufferOf(device(), srgbBucketTable());
+        b.pixels = bufferOf(device(), std::vector<uint32_t>(1));
         const auto outputOf = [&](uint64_t words) {
             Buffer<uint32_t> buffer(device(), words + kSentinels, "output");
             buffer.fill(kSentinel);
@@ -156,6 +157,58 @@ INSTANTIATE_TEST_SUITE_P(Rows, TraceTwin,
                                            Row{"farAway", farAway, 67, 35}, Row{"level", level, 17, 9}, Row{"meshesAmongMirrors", meshesAmongMirrors, 67, 35},
                                            Row{"meshesAlone", meshesAlone, 131, 67}),
                          [](const auto& info) { return fmt::format("{}_{}x{}", info.param.name, info.param.width, info.param.height); });
+
+// Sampling choices: each on a scene where it shows, by bands and by lists too.
+struct SamplingRow {
+    const char* name;
+    Scene (*build)();
+    void (*set)(RenderRequest&);
+};
+std::ostream& operator<<(std::ostream& out, const SamplingRow& r) { return out << r.name; }
+
+class SamplingTwin : public OnDevice<::testing::TestWithParam<SamplingRow>> {};
+
+TEST_P(SamplingTwin, LeavesTheSameBytesAndCounts) {
+    const Scene scene = GetParam().build();
+    RenderRequest request = requestOf(scene, 67, 35);
+    request.rays.seed = 77;
+    GetParam().set(request);
+    const RenderResult twin = renderCpu(scene, request), onDevice = renderGpu(device(), scene, request);
+    expectSameFrame(twin.frame, onDevice.frame);
+    expectSameCounts(twin.counters, onDevice.counters);
+    EXPECT_EQ(twin.counters.refinedPixels, onDevice.counters.refinedPixels);
+    request.bandRows = 4;
+    const RenderResult bands = renderGpu(device(), scene, request);
+    expectSameFrame(twin.frame, bands.frame);
+    expectSameCounts(twin.counters, bands.counters);
+    if (request.rays.cutLevels) return;
+    request.rayLimit = 1;
+    const RenderResult list = renderGpu(device(), scene, request);
+    expectSameFrame(twin.frame, list.frame);
+    expectSameCounts(twin.counters, list.counters);
+}
+
+void jitterAll(RenderRequest& r) {
+    r.samples = 4;
+    r.rays.sampling = RayChoices::Sampling::centre;
+    r.rays.jitterReflect = 0.1f;
+    r.rays.jitterRefract = 0.05f;
+    r.rays.jitterShadow = 0.2f;
+}
+INSTANTIATE_TEST_SUITE_P(
+    Rows, SamplingTwin,
+    ::testing::Values(SamplingRow{"random_on_glass", glass, [](RenderRequest& r) { r.samples = 4, r.rays.sampling = RayChoices::Sampling::random; }},
+                      SamplingRow{"random_one_ray", mirrors, [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::random; }},
+                      SamplingRow{"jitter_on_glass", glass, jitterAll}, SamplingRow{"jitter_on_mirrors", mirrors, jitterAll},
+                      SamplingRow{"jitter_on_meshes", meshesAmongMirrors, jitterAll},
+                      SamplingRow{"corners_of_glass", glass, [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::corners; }},
+                      SamplingRow{"corners_of_mirrors", mirrors, [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::corners, r.transparent = true; }},
+                      SamplingRow{"adaptive_on_glass", glass, [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::adaptive; }},
+                      SamplingRow{"adaptive_on_mirrors", mirrors,
+                                  [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::adaptive, r.transparent = true, r.rays.jitterShadow = 0.1f; }},
+                      SamplingRow{"notes_on_mirrors", mirrors, [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::notes; }},
+                      SamplingRow{"cut_levels", mirrors, [](RenderRequest& r) { r.rays.cutLevels = true, r.encoding = Encoding::linear; }}),
+    [](const auto& info) { return std::string(info.param.name); });
 
 using TraceCounts = DeviceTest;
 

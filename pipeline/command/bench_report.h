@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// What the reports of all benchmarks have in common.
+#pragma once
+
+#include "pipeline/bench/statistics.h"
+#include "pipeline/cli/options.h"
+#include "pipeline/command/renderer.h"
+#include "pipeline/command/report.h"
+
+#include <cstdlib>
+
+namespace plumb {
+
+inline Json spreadJson(const Spread& s) {
+    return {{"median", s.median}, {"p10", s.p10}, {"p90", s.p90}, {"least", s.least}, {"count", s.count}};
+}
+
+inline Json benchContextJson(const Renderer& renderer) {
+    Json json;
+    json["tool"] = toolJson();
+    json["host"] = hostJson();
+    double load[3] = {0, 0, 0};
+    if (::getloadavg(load, 3) == 3) json["host"]["load"] = {load[0], load[1], load[2]};
+    json["device"] = renderer.json();
+    return json;
+}
+
+Exit benchTraceCommand(const Options& options, Renderer& renderer, std::vector<std::string> rows);
+
+}  // namespace plumb

@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: MIT
+// A traced picture on the device: bands of rows, each in dispatches that stay short.
+#include "pipeline/passes/encode.h"
+#include "pipeline/passes/parallel.h"
+#include "pipeline/passes/resolve.h"
+#include "pipeline/render/trace_samples.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <chrono>
+
+namespace plumb {
+
+namespace {
+
+// lavapipe ends loops after 65,535 iterations of a subgroup, without a word.
+constexpr uint64_t kLoopLimit = 60000;
+// A dispatch cannot be cancelled, so it is to end within a tenth of a second. Object tests of the first one, at some 4 ns each on two cores; then the
+// number of samples follows the time that the last dispatch took. Where a picture is cut changes no bit of it.
+constexpr uint64_t kFirstWork = uint64_t(1) << 22;
+constexpr double kLongMs = 60, kShortMs = 25;
+constexpr uint64_t kUsualRays = 3;  // of a sample, when that is estimated
+constexpr uint64_t kUsualNodes = 100;
+constexpr uint64_t kLeastSamples = 256, kMostSamples = uint64_t(1) << 22;
+constexpr uint32_t kListedRaysPerDispatch = 32;
+constexpr uint64_t kWaitingBytes = uint64_t(64) << 20;
+
+class DeviceTrace {
+public:
+    DeviceTrace(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request,
+                RenderResult& result)
+        : device_(device),
+          p_(p),
+          request_(request),
+          result_(result),
+          grid_(sampleGridOf(p, request)),
+          traced_(traceSceneOf(scene, p)),
+          choices_(traceChoicesOf(scene, request, p, traced_)),
+          push_(tracePushOf(p, request, traced_)),
+          recorder_(device),
+          planes_(p, scene, request, grid_, result.frame),
+          counters_(gpu::kCounters) {
+        exact_[0] = device.selfTest().nativeDivideIsExact;
+        exact_[1] = device.selfTest().nativeRootIsExact;
+        const uint64_t steps = stepsOfRay(traced_);
+        if (steps > kLoopLimit)
+            throw inputError(
+                scene.path,
+                fmt::format("{} spheres and planes with {} lights need {} loop steps a ray; a device takes {}",
+                            traced_.surfaces.size(), traced_.lights.size(), steps, kLoopLimit));
+        choices_.list |= steps * push_.maxDepth > kLoopLimit;
+        if (choices_.list && choices_.cutLevels)
+            throw inputError(scene.path, fmt::format("--levels cut keeps a whole path at once: {} rays of {} loop "
+                                                     "steps are more than the {} of a device",
+                                                     push_.maxDepth, steps, kLoopLimit));
+        if (choices_.list) {
+            push_.rayLimit = uint32_t(std::clamp<uint64_t>(kLoopLimit / steps, 1, kListedRaysPerDispatch));
+            if (request.rayLimit) push_.rayLimit = std::min(push_.rayLimit, request.rayLimit);
+        }
+        // A ray opens some hundred nodes of a tree, a node costs as much as an object.
+        const uint64_t work = steps + (traced_.nodes.empty() ? 0 : kUsualNodes * (1 + traced_.lights.size()));
+        if (choices_.list)
+            mostSamples_ =
+                std::max<uint64_t>(kLeastSamples, kWaitingBytes / (4ull * gpu::kWaitingWords * push_.maxDepth));
+        samples_ = std::clamp<uint64_t>(kFirstWork / (work * std::min<uint64_t>(push_.maxDepth, kUsualRays)),
+                                        kLeastSamples, mostSamples_);
+        choices_.ballot = device.limits().subgroupShuffle;
+        choices_.colour = !resolves();
+        choices_.planes = resolves() ? gpu::kTracePlaneDistance | gpu::kTracePlaneLinear : 0u;
+        if (request.planes & (kPlaneDepth | kPlaneDistance | kPlaneZ | kPlaneObject | kPlanePrimitive | kPlaneNormal))
+            choices_.planes |= gpu::kTracePlaneDistance | gpu::kTracePlaneObject;
+        if (request.planes & kPlaneLinear) choices_.planes |= gpu::kTracePlaneLinear | gpu::kTracePlaneDistance;
+        if (request.planes & kPlaneNormal) choices_.planes |= gpu::kTracePlaneNormal;
+        slots_ = slotsOf(choices_.planes);
+    }
+
+    void draw() {
+        upload();
+        const uint64_t bandRows = rowsOfBand();
+        for (uint32_t first = 0; first < p_.height; first += uint32_t(bandRows)) {
+            band(first, uint32_t(std::min<uint64_t>(bandRows, p_.height - first)));
+            ++result_.counters.bands;
+        }
+        addRayCounts(counters_, push_.maxDepth, result_.counters);
+        countParts(traced_, result_.counters);
+        result_.times = recorder_.takeTimes();
+    }
+
+    // One band of one sample a pixel, left where the device wrote it.
+    bool drawInPlace() {
+        if (!buffers_.spheres) upload();
+        if (resolves() || rowsOfBand() < p_.height) return false;
+        std::fill(counters_.begin(), counters_.end(), 0);
+        traceBand(0, p_.height);
+        result_.counters.rays.clear();
+        result_.counters.undecidedRays = 0;
+        addRayCounts(counters_, push_.maxDepth, result_.counters);
+        countParts(traced_, result_.counters);
+        return true;
+    }
+    std::span<const uint32_t> colours() const { return buffers_.colours.span(); }
+    uint32_t pitch() const { return push_.rowWords; }
+    Recorder& recorder() { return recorder_; }
+
+private:
+    uint64_t rowsOfBand() {
+        push_.rowWords = (grid_.width + 3) / 4 * 4;
+        const DeviceLimits& l = device_.limits();
+        bandWords_ =
+            std::min({l.storageRangeBytes / 4, l.texelElements, device_.memoryBudgetBytes() / 16}) * 4 / 5 - 64;
+        const uint64_t sampleRows = bandWords_ / (uint64_t(push_.rowWords) * std::max(1u, slots_));
+        if (sampleRows < grid_.side) throw renderError("a row of the picture exceeds the device's buffers");
+        const uint64_t rows = (sampleRows - grid_.overlap()) / grid_.stride;
+        return request_.bandRows ? std::min<uint64_t>(rows, request_.bandRows) : rows;
+    }
+
+    static uint32_t slotsOf(uint32_t planes) {
+        return (planes & gpu::kTracePlaneDistance ? 1u : 0u) + (planes & gpu::kTracePlaneObject ? 1u : 0u) +
+               (planes & gpu::kTracePlaneLinear ? 3u : 0u) + (planes & gpu::kTracePlaneNormal ? 3u : 0u);
+    }
+    bool resolves() const { return grid_.side > 1; }
+
+    template <class T>
+    void put(Buffer<T>& buffer, const std::vector<T>& from, const char* name) {
+        buffer.reserve(device_, std::max<size_t>(from.size(), 1), name);
+        buffer.fill(0);
+        buffer.upload(from);
+    }
+    void upload() {
+        put(buffers_.spheres, traced_.spheres, "spheres");
+        put(buffers_.planes, traced_.planes, "planes of the scene");
+        put(buffers_.surfaces, traced_.surfaces, "surfaces");
+        put(buffers_.materials, traced_.materials, "materials");
+        put(buffers_.lights, traced_.lights, "lights");
+        put(buffers_.corners, traced_.corners, "corners");
+        put(buffers_.triangles, traced_.triangles, "triangles");
+        put(buffers_.nodes, traced_.nodes, "tree");
+        put(buffers_.encodeTable, srgbBucketTable(), "encode table");
+        put(buffers_.pixels, std::vector<uint32_t>(1), "pixels to refine");
+        buffers_.counters.reserve(device_, gpu::kCounters, "ray counters");
+        buffers_.counters.fill(0);
+        const uint64_t samples = choices_.list ? mostSamples_ : 1;
+        buffers_.waiting.reserve(device_, samples * gpu::kWaitingWords * push_.maxDepth, "waiting rays");
+        buffers_.states.reserve(device_, samples * gpu::kStateWords, "states of samples");
+    }
+
+    void band(uint32_t firstRow, uint32_t rows) {
+        traceBand(firstRow, rows);
+        if (resolves()) resolve(push_, choices_, grid_.side, grid_.stride, p_.width, rows);
+        read(firstRow, rows);
+        if (request_.rays.sampling == RayChoices::Sampling::adaptive) refine(firstRow, rows);
+    }
+
+    // Samples of rows of pixels. What they share with the rows above is copied down.
+    void traceBand(uint32_t firstRow, uint32_t rows) {
+        const uint32_t sampleRows = grid_.rowsFor(rows), shared = firstRow ? grid_.overlap() : 0;
+        const size_t keptWords = size_t(shared) * push_.rowWords;
+        std::vector<uint32_t> kept;
+        for (uint32_t slot = 0; shared && slot < slots_; ++slot) {
+            const auto end = buffers_.planeWords.span().begin() + ptrdiff_t(size_t(slot + 1) * push_.planeWords);
+            kept.insert(kept.end(), end - ptrdiff_t(keptWords), end);
+        }
+        push_.firstRow = firstRow * grid_.stride;
+        push_.planeWords = push_.rowWords * sampleRows;
+        buffers_.colours.reserve(device_, choices_.colour ? push_.planeWords : 1, "colours");
+        buffers_.planeWords.reserve(device_, std::max<uint64_t>(1, uint64_t(push_.planeWords) * slots_), "planes");
+        for (uint32_t slot = 0; shared && slot < slots_; ++slot)
+            std::copy_n(kept.begin() + ptrdiff_t(slot * keptWords), keptWords,
+                        buffers_.planeWords.span().begin() + ptrdiff_t(size_t(slot) * push_.planeWords));
+        const uint64_t begin = (uint64_t(push_.firstRow) + shared) * grid_.width,
+                       end = (uint64_t(push_.firstRow) + sampleRows) * grid_.width;
+        trace(push_, choices_, begin, end, double(grid_.height) * grid_.width);
+    }
+
+    // Samples [begin, end) of a frame of `all`, until none has a ray waiting.
+    void trace(gpu::TracePush& push, const TraceChoices& choices, uint64_t begin, uint64_t end, double all) {
+        for (uint64_t at = begin, count = 0; at < end; at += count) {
+            count = std::min(samples_, end - at);
+            push.firstItem = uint32_t(at);
+            push.itemCount = uint32_t(count);
+            push.first = 1;
+            double longestMs = 0;
+            for (uint32_t unfinished = 1; unfinished != 0; push.first = 0) {
+                reportTrace(request_, double(at) / all);
+                recordTrace(recorder_, push, traced_, choices, exact_, buffers_);
+                const auto start = std::chrono::steady_clock::now();
+                recorder_.run(request_.watchdogMs);
+                longestMs = std::max(
+                    longestMs,
+                    std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+                const std::span<uint32_t> words = buffers_.counters.span();
+                unfinished = words[gpu::kCountUnfinished];
+                for (size_t i = 0; i < counters_.size(); ++i) counters_[i] += words[i];
+                buffers_.counters.fill(0);
+            }
+            adapt(longestMs, count);
+        }
+    }
+    // The first dispatch of a kernel has it compiled and says nothing about its samples.
+    void adapt(double longestMs, uint64_t count) {
+        if (!warm_)
+            warm_ = true;
+        else if (longestMs > kLongMs)
+            samples_ = std::max(kLeastSamples, samples_ / 2);
+        else if (longestMs < kShortMs && count == samples_)
+            samples_ = std::min(mostSamples_, samples_ * 2);
+    }
+
+    void resolve(const gpu::TracePush& traced, const TraceChoices& choices, uint32_t side, uint32_t stride,
+                 uint32_t width, uint32_t rows) {
+        resolvedQuads_ = (width + 3) / 4;
+        resolvedRows_ = rows;
+        const uint64_t quads = uint64_t(resolvedQuads_) * rows;
+        const bool linearOut = request_.planes & kPlaneLinear;
+        resolved_.reserve(device_, quads, "pixels");
+        resolvedLinear_.reserve(device_, linearOut ? quads * 3 : 1, "linear pixels");
+        gpu::ResolvePush push{};
+        push.pixelQuads = uint32_t(quads);
+        push.rowQuads = resolvedQuads_;
+        push.sampleRowQuads = traced.rowWords / 4;
+        push.samplePlaneQuads = traced.planeWords / 4;
+        push.zSlot = 0;
+        push.linearSlot = linearSlotOf(choices.planes);
+        push.side = side;
+        push.stride = stride;
+        push.transparent = request_.transparent;
+        recordResolve(recorder_, push, choices.encoding, linearOut, exact_, buffers_.planeWords, buffers_.encodeTable,
+                      resolved_, resolvedLinear_);
+        recorder_.run(request_.watchdogMs);
+    }
+    static uint32_t linearSlotOf(uint32_t planes) { return planes & gpu::kTracePlaneObject ? 2 : 1; }
+    const uint32_t* plane(uint32_t slot) const {
+        return buffers_.planeWords.span().data() + size_t(slot) * push_.planeWords;
+    }
+    size_t at(uint32_t x, uint32_t y, uint32_t i, uint32_t j) const {
+        return size_t(y * grid_.stride + j) * push_.rowWords + x * grid_.stride + i;
+    }
+
+    void read(uint32_t firstRow, uint32_t rows) {
+        const uint32_t side = grid_.side, pitch = resolves() ? resolvedQuads_ * 4 : push_.rowWords;
+        const auto* words = static_cast<const uint32_t*>(resolves() ? resolved_.data() : buffers_.colours.data());
+        const uint32_t opaque = request_.transparent ? 0u : 0xff000000u;
+        const uint32_t linearSlot = linearSlotOf(choices_.planes),
+                       normalSlot = linearSlot + (choices_.planes & gpu::kTracePlaneLinear ? 3 : 0);
+        Frame& out = result_.frame;
+        for (uint32_t y = 0; y < rows; ++y)
+            for (uint32_t x = 0; x < p_.width; ++x) {
+                const size_t pixel = size_t(firstRow + y) * p_.width + x;
+                const uint32_t word = words[size_t(y) * pitch + x];
+                out.rgba[pixel] = word | opaque;
+                bool any = !resolves() && word >> 31 != 0;
+                for (uint32_t k = 0; resolves() && k < side * side; ++k)
+                    any |= plane(0)[at(x, y, k % side, k / side)] != 0;
+                out.coveredPixels += any;
+                const size_t sample = at(x, y, grid_.anchor, grid_.anchor);
+                for (uint32_t i = 0; i < 3 && (request_.planes & kPlaneLinear); ++i)
+                    out.linear[3 * pixel + i] = resolves() ? resolvedLinear(i)[size_t(y) * pitch + x]
+                                                           : gpu::realOf(int(plane(linearSlot + i)[sample]));
+                if (!(choices_.planes & gpu::kTracePlaneObject)) continue;
+                float normal[3] = {0, 0, 0};
+                for (uint32_t i = 0; i < 3 && (request_.planes & kPlaneNormal); ++i)
+                    normal[i] = gpu::realOf(int(plane(normalSlot + i)[sample]));
+                planes_.write(x, firstRow + y, plane(0)[sample], plane(1)[sample], normal);
+            }
+    }
+    const float* resolvedLinear(uint32_t channel) const {
+        return static_cast<const float*>(resolvedLinear_.data()) + size_t(channel) * resolvedQuads_ * 4 * resolvedRows_;
+    }
+
+    // Pixels whose corners differ, again by the samples of a grid. The band's planes are overwritten, so but for the row that the next band shares.
+    void refine(uint32_t firstRow, uint32_t rows) {
+        const uint32_t linearSlot = linearSlotOf(choices_.planes);
+        const std::vector<uint32_t> pixels = pixelsWithDifferentCorners(
+            p_.width, firstRow, rows, choices_.encoding,
+            [&](uint32_t x, uint32_t y) {
+                const size_t sample = size_t(y) * push_.rowWords + x;
+                return glm::vec3(gpu::realOf(int(plane(linearSlot)[sample])),
+                                 gpu::realOf(int(plane(linearSlot + 1)[sample])),
+                                 gpu::realOf(int(plane(linearSlot + 2)[sample])));
+            },
+            [&](uint32_t x, uint32_t y) { return plane(0)[size_t(y) * push_.rowWords + x] != 0; },
+            threadCount(request_.threads));
+        result_.counters.refinedPixels += pixels.size();
+        TraceChoices choices = choices_;
+        choices.sampling = gpu::kSampleGrid;
+        choices.side = kFineSide;
+        choices.planes = gpu::kTracePlaneDistance | gpu::kTracePlaneLinear;
+        const size_t chunk =
+            std::max<size_t>(1, bandWords_ / (uint64_t(kFineSide) * kFineSide * slotsOf(choices.planes)));
+        Buffer<uint32_t> coarse;  // the band's planes, which the next band takes a row of
+        std::swap(coarse, buffers_.planeWords);
+        for (size_t first = 0; first < pixels.size(); first += chunk) {
+            const std::vector<uint32_t> some(pixels.begin() + ptrdiff_t(first),
+                                             pixels.begin() + ptrdiff_t(std::min(pixels.size(), first + chunk)));
+            const auto count = uint32_t(some.size());
+            put(buffers_.pixels, some, "pixels to refine");
+            choices.pixels = some;
+            gpu::TracePush push = finePushOf(push_, count);
+            buffers_.planeWords.reserve(device_, uint64_t(push.planeWords) * slotsOf(choices.planes), "planes");
+            trace(push, choices, 0, push.planeWords, double(push.planeWords));
+            resolve(push, choices, kFineSide, kFineSide, count, 1);
+            const auto* words = static_cast<const uint32_t*>(resolved_.data());
+            for (size_t i = 0; i < some.size(); ++i) {
+                const size_t pixel = size_t(some[i] >> 16) * p_.width + (some[i] & 0xffffu);
+                result_.frame.rgba[pixel] = words[i] | (request_.transparent ? 0u : 0xff000000u);
+                for (uint32_t k = 0; k < 3 && (request_.planes & kPlaneLinear); ++k)
+                    result_.frame.linear[3 * pixel + k] = resolvedLinear(k)[i];
+            }
+        }
+        std::swap(coarse, buffers_.planeWords);
+    }
+
+    Device& device_;
+    const Prepared& p_;
+    const RenderRequest& request_;
+    RenderResult& result_;
+    const SampleGrid grid_;
+    TraceScene traced_;
+    TraceChoices choices_;
+    gpu::TracePush push_;
+    Recorder recorder_;
+    TracePlanes planes_;
+    std::vector<uint64_t> counters_;
+    Specialization exact_;
+    TraceBuffers buffers_;
+    Buffer<glm::uvec4> resolved_;
+    Buffer<glm::vec4> resolvedLinear_;
+    uint64_t samples_ = 0, mostSamples_ = kMostSamples, bandWords_ = 0;  // of a dispatch; words of a band
+    bool warm_ = false;
+    uint32_t slots_ = 0, resolvedQuads_ = 0, resolvedRows_ = 0;
+};
+
+}  // namespace
+
+struct ResidentTrace::Impl {
+    const Scene& scene;
+    const RenderRequest request;
+    const Prepared prepared;
+    RenderResult result;
+    DeviceTrace trace;
+    Impl(Device& device, const Scene& s, const RenderRequest& r)
+        : scene(s), request(r), prepared(prepare(s, request)), trace(device, prepared, scene, request, result) {}
+};
+
+ResidentTrace::ResidentTrace(Device& device, const Scene& scene, const RenderRequest& request)
+    : impl_(std::make_unique<Impl>(device, scene, request)) {}
+ResidentTrace::~ResidentTrace() = default;
+bool ResidentTrace::draw() { return impl_->trace.drawInPlace(); }
+std::span<const uint32_t> ResidentTrace::colours() const { return impl_->trace.colours(); }
+uint32_t ResidentTrace::pitch() const { return impl_->trace.pitch(); }
+RenderCounters ResidentTrace::counters() const { return impl_->result.counters; }
+Recorder& ResidentTrace::recorder() { return impl_->trace.recorder(); }
+
+void traceFrameGpu(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request,
+                   RenderResult& result) {
+    DeviceTrace(device, p, scene, request, result).draw();
+}
+
+}  // namespace plumb
