@@ -106,7 +106,7 @@ Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest&
     // Nothing for the default, whose files stay as they are.
     if (request.trade != Trade{}) metadata["trade"] = wordsOf({request, true});
     metadata["camera"] = cameraJson(view.camera).dump();
-    metadata["determinism"] = "bits";
+    metadata["determinism"] = determinismOf(request);
     return metadata;
 }
 
@@ -151,7 +151,7 @@ Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector
     json["time_ms"] = Json::object();  // filled when the picture is written
     json["image"] = imageJson(result.frame, facts, blank);
     json["counters"] = countersJson(result.counters);
-    json["determinism"] = "bits";
+    json["determinism"] = determinismOf(request);
     json["memory"] = memoryJson(renderer);
     return json;
 }
@@ -188,7 +188,6 @@ Exit renderCommand(const Options& options) {
     if (options.withError) {
         if (request.shading == Shading::ray) throw usageError("--with-error: the truth of --shading ray is not in this version");
         if (request.shading == Shading::wire) throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
-        if (request.fill == Fill::notes) throw usageError("--with-error: the truth is sampled in the middle of pixels, and --fill notes samples whole coordinates");
         request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;  // which change no byte of the picture
     }
 
@@ -239,10 +238,11 @@ Exit renderCommand(const Options& options) {
             stopIfInterrupted();
             progress.clear();
             const FrameError error = errorOf(result.frame, truth, request.encoding, request.transparent);
-            say(options, errorLine(error, truth));
+            const std::optional<Rounding> rounding = roundingOf(scene, request, result.frame);
+            say(options, errorLine(error, truth, rounding));
             truthMs = truth.timeMs;
             report["truth"] = truthJson(truth);
-            report["error"] = errorJson(error, true);
+            report["error"] = errorJson(error, true, rounding);
         }
         const auto writeStart = Clock::now();
         if (plan.sheet) {

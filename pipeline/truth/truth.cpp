@@ -55,8 +55,8 @@ public:
     uint64_t redone() const { return judge_.redone(); }
 
 private:
-    double x(int i) const { return i + 0.5 - geometry_.pinhole().width / 2; }
-    double y(int j) const { return j + 0.5 - geometry_.pinhole().height / 2; }
+    double x(int i) const { return geometry_.pinhole().x(i); }
+    double y(int j) const { return geometry_.pinhole().y(j); }
 
     void resolve(uint32_t column, uint32_t row, int first) {
         const size_t at = size_t(row) * request_.width + column;
@@ -119,7 +119,7 @@ Truth truthOf(const Scene& scene, const RenderRequest& request) {
     out.depth.assign(pixels, INFINITY);
     out.object.assign(pixels, kNone);
     out.primitive.assign(pixels, kNone);
-    const Geometry geometry(scene, Pinhole(*scene.camera, out.width, out.height, side));
+    const Geometry geometry(scene, Pinhole(*scene.camera, out.width, out.height, side, request.fill == Fill::notes));
     const Illumination illumination(scene, geometry);
 
     const uint32_t bands = (out.height + kBandRows - 1) / kBandRows;

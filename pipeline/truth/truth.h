@@ -20,7 +20,8 @@ struct Truth {
     double timeMs = 0;
 };
 
-// Of `request`: size, samples, background, transparent, threads and onProgress (called by one thread; false cancels: Error(interrupted)). Its shading
+// Of `request`: size, samples, background, transparent, threads, fill (notes: pixel (x, y) stands for the point (x, y) of the screen, and for the samples
+// around it) and onProgress (called by one thread; false cancels: Error(interrupted)). Its shading
 // changes nothing, since the truth is Phong's. A wire frame has no truth here: Error(usage).
 Truth truthOf(const Scene& scene, const RenderRequest& request);
 

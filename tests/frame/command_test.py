@@ -136,16 +136,23 @@ class Rendering(Command):
 
     def test_trades_change_the_picture_and_are_refused_by_name(self):
         self.twin(0, "render", "cube.obj", "-o", "a.png")
-        for trade in ("interpolation=affine,light-vector=scene", "subpixel=4"):
+        for trade in ("interpolation=affine,light-vector=scene", "subpixel=4", "rate=1/2"):
             self.twin(0, "render", "cube.obj", "-o", "b.png", "--trade", trade)
             self.assertNotEqual(self.read("a.png"), self.read("b.png"), trade)
         self.twin(0, "render", "cube.obj", "-o", "b.png", "--trade", "depth=reversed-32,specular=exact")
         self.assertEqual(self.read("a.png"), self.read("b.png"))
-        for trade, says in (("shading=flat", "--trade"), ("depth=15", "accepted for depth: reversed-32, 24, 16"), ("specular=native", "accepted for specular: exact, schlick"),
+        for trade, says in (("shading=flat", "--trade"), ("depth=15", "accepted for depth: reversed-32, standard-32, 24, 16"), ("specular=quick", "accepted for specular: exact, schlick, native"), ("rate=1/4", "accepted for rate: 1, 1/2"),
                             ("depth=16,depth=24", "--trade"), ("depth", "--trade")):
             self.twin(2, "render", "cube.obj", "-o", "c.png", "--trade", trade, says=says)
         self.assertEqual(self.files(), ["a.png", "b.png", "cube.obj"])
-        self.expect(0, "verify", "cube.obj", "--size", "64x48", "--trade", "specular=schlick,depth=16,subpixel=4,interpolation=affine,light-vector=scene")
+        self.expect(0, "verify", "cube.obj", "--size", "64x48", "--trade", "specular=schlick,depth=16,subpixel=4,interpolation=affine,light-vector=scene,normals=as-interpolated,rate=1/2")
+        self.twin(2, "render", "cube.obj", "-o", "c.png", "--fill", "notes", "--trade", "rate=1/2", says="--fill notes has the axis specular")
+        # What the device computes its own way is compared with its bound.
+        native = json.loads(self.expect(0, "verify", "cube.obj", "--size", "64x48", "--trade", "specular=native,encode=native", "--json").stdout)
+        self.assertEqual(native["determinism"], "bounded")
+        self.assertEqual(native["verify"]["bound"]["steps"], 1)
+        self.assertGreater(max(native["verify"]["bound"]["linear"]), 0)
+        self.assertTrue(all(plane["beyond"] == 0 for plane in native["verify"]["planes"]))
 
     def test_turntable_needs_a_placeholder_and_makes_an_array(self):
         self.twin(2, "render", "cube.obj", "--turntable", "3", "-o", "spin.png", says="{n}")
