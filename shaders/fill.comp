@@ -33,8 +33,10 @@ layout(constant_id = 14) const uint kSubgroupSize = 8u;   // 8, 16, 32 or 64: cl
 
 layout(constant_id = 15) const uint kPower = 0u;          // kPowerExact or kPowerSchlick
 layout(constant_id = 16) const bool kAffine = false;      // attributes without perspective
-layout(constant_id = 17) const uint kDepthBits = 32u;     // 32: float; else fixed point
+layout(constant_id = 17) const uint kDepthBits = 32u;     // 32: float; 33: float of 1 - n/w; else fixed point
 layout(constant_id = 18) const bool kDistantViewer = false;
+layout(constant_id = 20) const bool kUnitNormals = true;  // false: as interpolated
+layout(constant_id = 21) const bool kCoarse = false;      // one shaded pixel in 2 x 2
 
 layout(push_constant, scalar) uniform Push { FillPush push; };
 layout(binding = 1) uniform usamplerBuffer draws;
@@ -69,6 +71,7 @@ vec4 edgeReal(int hi, int lo, int a, int b, int y) {
 
 Int encode(Real x) {
     if (kEncoding == kEncodeLinear) return encodeLinear(x);
+    if (kEncoding == kEncodeNative) return encodeNative(x);
     Real clamped = clampUnit(x);
     Int bucket = encodeBucket(clamped);
     Int word = Int(texelFetch(encodeTable, bucket.x).x, texelFetch(encodeTable, bucket.y).x,
@@ -109,6 +112,7 @@ void cover(ivec3 q, ivec3 a, ivec3 b, ivec3 hi, ivec3 lo, DepthPlane depth, int 
         vec4 e0 = kWide ? edgeReal(hi.x, lo.x, a.x, b.x, r) : vec4(f0);
         ivec4 here = depthBits(e2, e0, depth.k1, depth.k2, depth.zc, depth.low, depth.high);
         if (kDepthBits < 32u) here = coarseDepth(here, kDepthBits);
+        if (kDepthBits == kDepthStandard) here = standardDepth(here);
         // wins(): here > z, or equal and the lower triangle; both operands are bits of floats in [0, 1].
         ivec4 key = here + ivec4(lessThan(ivec4(name), id[r]));
         bvec4 win = lessThan((z[r] - key) & ~(f0 | f1 | f2), ivec4(0));
@@ -279,7 +283,7 @@ void main() {
                 carriedX[r] = mix(carriedX[r], weigh(a0.x, a1.x, a2.x, g0, g1, g2), here);
                 carriedY[r] = mix(carriedY[r], weigh(a0.y, a1.y, a2.y, g0, g1, g2), here);
                 carriedZ[r] = mix(carriedZ[r], weigh(a0.z, a1.z, a2.z, g0, g1, g2), here);
-                if (kShading == kShadingGouraud) weight[r] = mix(weight[r], weigh(w.x, w.y, w.z, g0, g1, g2), here);
+                if (kShading == kShadingGouraud || !kUnitNormals) weight[r] = mix(weight[r], weigh(w.x, w.y, w.z, g0, g1, g2), here);
             }
             source[r] = mix(source[r], ivec4(d.w), here);
             material[r] = mix(material[r], ivec4(owner), here);
@@ -288,6 +292,33 @@ void main() {
         current = max(max(below.x, below.y), max(below.z, below.w));
         rounds++;
     } while (current != 0 && rounds < 17);
+
+    // Of each 2 x 2 pixels the first that is drawn, in lanes: the four are shaded in place of the first row.
+    vec4 coarseX, coarseY, coarseNx, coarseNy, coarseNz, coarseWeight;
+    ivec4 coarseZ, coarseMaterial;
+    Colour coarseColour;
+    if (kCoarse) {
+        [[unroll]] for (int i = 0; i < 4; ++i) {
+            int r = (i >> 1) * 2, l = (i & 1) * 2;
+            bool inX = pixel.x + l + 1 < push.frameEnd.x, inY = pixel.y + r + 1 < push.frameEnd.y;  // tiles reach beyond the frame
+            int which = firstDrawn(id[r][l] != 0, id[r][l + 1] != 0 && inX, id[r + 1][l] != 0 && inY, id[r + 1][l + 1] != 0 && inX && inY) & 3;
+            bool right = (which & 1) != 0, below = which > 1;
+            ivec4 zs = ivec4(z[r][l], z[r][l + 1], z[r + 1][l], z[r + 1][l + 1]);
+            ivec4 ms = ivec4(material[r][l], material[r][l + 1], material[r + 1][l], material[r + 1][l + 1]);
+            vec4 xs = vec4(carriedX[r][l], carriedX[r][l + 1], carriedX[r + 1][l], carriedX[r + 1][l + 1]);
+            vec4 ys = vec4(carriedY[r][l], carriedY[r][l + 1], carriedY[r + 1][l], carriedY[r + 1][l + 1]);
+            vec4 zn = vec4(carriedZ[r][l], carriedZ[r][l + 1], carriedZ[r + 1][l], carriedZ[r + 1][l + 1]);
+            vec4 ws = vec4(weight[r][l], weight[r][l + 1], weight[r + 1][l], weight[r + 1][l + 1]);
+            coarseX[i] = float(pixel.x + l + (right ? 1 : 0)) + 0.5;
+            coarseY[i] = float(pixel.y + r + (below ? 1 : 0)) + 0.5;
+            coarseZ[i] = below ? (right ? zs.w : zs.z) : (right ? zs.y : zs.x);
+            coarseMaterial[i] = below ? (right ? ms.w : ms.z) : (right ? ms.y : ms.x);
+            coarseNx[i] = below ? (right ? xs.w : xs.z) : (right ? xs.y : xs.x);
+            coarseNy[i] = below ? (right ? ys.w : ys.z) : (right ? ys.y : ys.x);
+            coarseNz[i] = below ? (right ? zn.w : zn.z) : (right ? zn.y : zn.x);
+            coarseWeight[i] = below ? (right ? ws.w : ws.z) : (right ? ws.y : ws.x);
+        }
+    }
 
     ShadeParts parts = ShadeParts(kDiffuse, kSpecular, kPointLights, kPower);
     int lightCount = kOneLight ? 1 : int(push.lightCount);
@@ -299,8 +330,22 @@ void main() {
         vec4 nx = carriedX[r];
         vec4 ny = carriedY[r];
         vec4 nz = carriedZ[r];
-        if (kShading == kShadingGouraud) {
-            vec4 inverse = reciprocal(weight[r]);
+        vec4 share = weight[r];
+        ivec4 depth = z[r];
+        ivec4 surfaceOf = material[r];
+        if (kCoarse && r == 0) {
+            x = coarseX;
+            nx = coarseNx;
+            ny = coarseNy;
+            nz = coarseNz;
+            share = coarseWeight;
+            depth = coarseZ;
+            surfaceOf = coarseMaterial;
+        }
+        if (kCoarse && r > 0) {
+            c = coarseColour;
+        } else if (kShading == kShadingGouraud) {
+            vec4 inverse = reciprocal(share);
             c = Colour(nx * inverse, ny * inverse, nz * inverse);
         } else if (kShading == kShadingFlat) {
             c = Colour(nx, ny, nz);
@@ -315,9 +360,9 @@ void main() {
                 s = mat4(m, m, m, m);
             } else {
                 [[unroll]] for (int i = 0; i < 4; ++i) {
-                    a[i] = texelFetch(materials, material[r][i] * kMaterialTexels);
-                    d[i] = texelFetch(materials, material[r][i] * kMaterialTexels + 1);
-                    s[i] = texelFetch(materials, material[r][i] * kMaterialTexels + 2);
+                    a[i] = texelFetch(materials, surfaceOf[i] * kMaterialTexels);
+                    d[i] = texelFetch(materials, surfaceOf[i] * kMaterialTexels + 1);
+                    s[i] = texelFetch(materials, surfaceOf[i] * kMaterialTexels + 2);
                 }
             }
             a = transpose(a);
@@ -332,12 +377,25 @@ void main() {
                     c.r = uintBitsToFloat(planes[sum]);
                     c.g = uintBitsToFloat(planes[sum + push.planeQuads]);
                     c.b = uintBitsToFloat(planes[sum + 2u * push.planeQuads]);
+                    if (kCoarse) {  // all four pixels have the sum of the one
+                        uint lower = sum + 2u * push.rowQuads;
+                        c.r = vec4(c.r.xz, uintBitsToFloat(planes[lower].xz));
+                        c.g = vec4(c.g.xz, uintBitsToFloat(planes[lower + push.planeQuads].xz));
+                        c.b = vec4(c.b.xz, uintBitsToFloat(planes[lower + 2u * push.planeQuads].xz));
+                    }
                 }
                 Surface surface;
-                Real rx = rayAt(push.rayOrigin.x, push.rayX.x, push.rayY.x, x, y);
-                Real ry = rayAt(push.rayOrigin.y, push.rayX.y, push.rayY.y, x, y);
-                Real rz = rayAt(push.rayOrigin.z, push.rayX.z, push.rayY.z, x, y);
-                unitVector(nx, ny, nz);
+                Real rx = kCoarse ? rayAtEach(push.rayOrigin.x, push.rayX.x, push.rayY.x, x, coarseY) : rayAt(push.rayOrigin.x, push.rayX.x, push.rayY.x, x, y);
+                Real ry = kCoarse ? rayAtEach(push.rayOrigin.y, push.rayX.y, push.rayY.y, x, coarseY) : rayAt(push.rayOrigin.y, push.rayX.y, push.rayY.y, x, y);
+                Real rz = kCoarse ? rayAtEach(push.rayOrigin.z, push.rayX.z, push.rayY.z, x, coarseY) : rayAt(push.rayOrigin.z, push.rayX.z, push.rayY.z, x, y);
+                if (kUnitNormals) {
+                    unitVector(nx, ny, nz);
+                } else {
+                    vec4 inverse = reciprocal(share);
+                    nx *= inverse;
+                    ny *= inverse;
+                    nz *= inverse;
+                }
                 surface.nx = nx;
                 surface.ny = ny;
                 surface.nz = nz;
@@ -349,7 +407,7 @@ void main() {
                 surface.vz = -rz;
                 if (kSpecular) seeFrom(kDistantViewer, push.toward, surface);
                 if (kPointLights) {
-                    Real w = reciprocal(realOf(max(z[r], ivec4(1)))) * push.near;
+                    Real w = reciprocal(realOf(max(depth, ivec4(1)))) * push.near;
                     surface.px = rx * w;
                     surface.py = ry * w;
                     surface.pz = rz * w;
@@ -369,6 +427,10 @@ void main() {
                 }
                 fault |= light < lightCount ? kFaultLoop : 0u;
             }
+        }
+        if (kCoarse) {
+            if (r == 0) coarseColour = c;
+            c = r < 2 ? Colour(c.r.xxyy, c.g.xxyy, c.b.xxyy) : Colour(c.r.zzww, c.g.zzww, c.b.zzww);
         }
         bvec4 drawn = notEqual(id[r], ivec4(0));
         uint rowAt = at + uint(r) * push.rowQuads;
@@ -401,6 +463,18 @@ void main() {
             }
         }
         if ((kWrite & kFillPlaneNormal) != 0u) {
+            if (kCoarse) {
+                nx = carriedX[r];
+                ny = carriedY[r];
+                nz = carriedZ[r];
+                if (!kUnitNormals) {
+                    vec4 inverse = reciprocal(weight[r]);
+                    nx *= inverse;
+                    ny *= inverse;
+                    nz *= inverse;
+                }
+            }
+            if (kCoarse || !kUnitNormals) unitVector(nx, ny, nz);
             uint slot = rowAt + kSlotNormal * push.planeQuads;
             [[unroll]] for (uint i = 0u; i < 3u; ++i) {
                 vec4 behind = kPrior ? uintBitsToFloat(planes[slot]) : vec4(0.0);

@@ -17,6 +17,7 @@ layout(binding = 4, scalar) writeonly buffer Linear { vec4 linear[]; };   // thr
 
 Int encode(Real x) {
     if (kEncoding == kEncodeLinear) return encodeLinear(x);
+    if (kEncoding == kEncodeNative) return encodeNative(x);
     Real clamped = clampUnit(x);
     Int bucket = encodeBucket(clamped);
     Int word = Int(texelFetch(encodeTable, bucket.x).x, texelFetch(encodeTable, bucket.y).x,

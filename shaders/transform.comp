@@ -4,9 +4,12 @@
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x = 256) in;
 #include "shared/status.h"
+#include "shared/shade.h"
 #include "shared/transform.h"
 
 layout(constant_id = 2) const bool kWriteNormals = true;  // Phong, or planes that ask for them
+
+layout(constant_id = 3) const bool kUnitNormals = false;  // made unit here, for pixels that take them as interpolated
 
 layout(push_constant, scalar) uniform Push { TransformPush push; };
 layout(binding = 1) uniform samplerBuffer positions;   // xyz, object space
@@ -27,6 +30,11 @@ void main() {
     if (kWriteNormals) {
         vec3 n = texelFetch(normals, int(at)).xyz;
         vec4 world = vec4(rowTimesVector(o.normal0, n), rowTimesVector(o.normal1, n), rowTimesVector(o.normal2, n), 0.0);
+        if (kUnitNormals) {
+            Real x = real(world.x), y = real(world.y), z = real(world.z);
+            unitVector(x, y, z);
+            world = vec4(x.x, y.x, z.x, 0.0);
+        }
         if (mine) carried[at] = world;
     }
     finish(push.statusSlot, 0u);

@@ -8,6 +8,9 @@ SEEDS, which only the functions CALLERS of shaders/shared/exact.h call: as a see
 self-test has found them correctly rounded.
 No RelaxedPrecision, no fast-math decoration, no float of another width than 32 bits, no rounding mode but round to nearest even.
 
+Modules with "_native" in their names draw only when a choice asks for the device's own functions (docs/accuracy.md, bounded). They may hold one
+thing more: Pow, in the functions nativePow, which only NATIVE_CALLERS call.
+
 Modules whose name starts with "selftest" or "canary" measure the device and are listed, not judged.
 
 usage: spirv_lint.py [--quiet] MODULE.spv...    exit 1 on a fault; --list FILE: one path a line
@@ -18,6 +21,9 @@ import sys
 
 SEEDS = ("nativeDivide", "nativeRoot")
 CALLERS = ("exactDivide", "exactRoot", "emulatedDivide", "emulatedRoot")
+
+NATIVE, NATIVE_EXT = "nativePow", 26
+NATIVE_CALLERS = ("nativePower", "encodeNative")
 
 EXACT = {129: "OpFAdd", 131: "OpFSub", 133: "OpFMul", 142: "OpVectorTimesScalar"}
 SEED_OPS = {136: "OpFDiv"}
@@ -90,8 +96,8 @@ def read(path):
     return list(struct.unpack(f"<{len(data) // 4}I", data))
 
 
-def lint(words):
-    """(faults as sentences, number of exact float operations)."""
+def lint(words, native=False):
+    """(faults as sentences, number of exact float operations). native: the module may hold the device's own power."""
     faults, names, no_contraction, sets, exact = [], {}, set(), {}, 0
     for _, op, a in instructions(words):
         if op == OP_NAME:
@@ -124,10 +130,12 @@ def lint(words):
                 pass
             elif sets.get(a[2]) != "GLSL.std.450":
                 faults.append(f"{function}: instruction of {sets.get(a[2], 'an unknown set')}")
-            elif a[3] not in ALLOWED_EXT and not (seeds and a[3] in SEED_EXT):
+            elif a[3] not in ALLOWED_EXT and not (seeds and a[3] in SEED_EXT) and not (native and function == NATIVE and a[3] == NATIVE_EXT):
                 faults.append(f"{function}: GLSL.std.450 {EXT_NAMES.get(a[3], a[3])} is not exact")
         elif op == OP_FUNCTION_CALL and name_of(a[2]) in SEEDS and function not in CALLERS:
             faults.append(f"{function}: calls {name_of(a[2])}, which only exact.h may")
+        elif op == OP_FUNCTION_CALL and native and name_of(a[2]) == NATIVE and function not in NATIVE_CALLERS:
+            faults.append(f"{function}: calls {NATIVE}, which only {' and '.join(NATIVE_CALLERS)} may")
         elif op in EXACT:
             exact += 1
             if a[1] not in no_contraction:
@@ -141,6 +149,10 @@ def lint(words):
 
 def exempt(path):
     return os.path.basename(path).startswith(("selftest", "canary"))
+
+
+def is_native(path):
+    return "_native" in os.path.basename(path)
 
 
 def paths_of(arguments):
@@ -164,7 +176,7 @@ def main():
                 read(path)
                 print(f"{name}: measures the device, not judged")
                 continue
-            faults, exact = lint(read(path))
+            faults, exact = lint(read(path), is_native(path))
         except (OSError, ValueError, IndexError) as error:
             faults, exact = [str(error)], 0
         judged += 1
@@ -172,7 +184,7 @@ def main():
         for fault in faults:
             print(f"{name}: {fault}")
         if not faults and "--quiet" not in sys.argv:
-            print(f"{name}: {exact} float operations, exact")
+            print(f"{name}: {exact} float operations, exact" + (", and the device's own power" if is_native(path) else ""))
     print(f"spirv_lint: {judged} modules judged, {faulty} outside the exact subset")
     return 1 if faulty or judged == 0 else 0
 

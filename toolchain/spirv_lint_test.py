@@ -99,6 +99,14 @@ def mutants(words):
         calls = any(function == caller for at, function in find(words, {lint.OP_FUNCTION_CALL}))
         if calls and caller.startswith("emulated"):
             yield f"{caller} renamed", changed
+    if any(a[3] == lint.NATIVE_EXT for _, op, a in lint.instructions(words) if op == 12):  # the device's own power, under another name
+        for name in (lint.NATIVE, lint.NATIVE_CALLERS[0], lint.NATIVE_CALLERS[1]):
+            changed = list(words)
+            for at, op, a in lint.instructions(words):
+                if op == lint.OP_NAME and lint.text_of(a[1:]).split("(")[0] == name:
+                    changed[at + 2] ^= 0x01010101
+            if changed != words:
+                yield f"{name} renamed", changed
     place = first_annotation(words)
     if place is not None:
         some = words[first_function(words) + 2]
@@ -122,14 +130,21 @@ def main():
         if lint.exempt(path):
             continue
         name, words = os.path.basename(path), lint.read(path)
-        if lint.lint(words)[0]:
+        native = lint.is_native(path)
+        if lint.lint(words, native)[0]:
             print(f"{name}: not clean before it is mutated")
             return 1
+        if native:  # where the name does not say so, it may not be there
+            total += 1
+            kinds.add("judged as an exact module")
+            if not lint.lint(words)[0]:
+                missed += 1
+                print(f"{name}: unnoticed: its own power, judged as an exact module")
         for what, changed in mutants(words):
             total += 1
             kinds.add("NoContraction stripped" if what.startswith("NoContraction") else what)
             try:
-                noticed = bool(lint.lint(changed)[0])
+                noticed = bool(lint.lint(changed, native)[0])
             except (ValueError, IndexError):
                 noticed = True
             if not noticed:

@@ -52,6 +52,7 @@ struct Way {
     std::function<double()> error;
     bool glm = false;
     std::vector<double> ms;
+    uint64_t products = 0, steps = 0;
 };
 
 double msOf(const std::function<void()>& work) {
@@ -84,6 +85,8 @@ void measure(MatrixTable& table, std::vector<Way>& ways, const std::function<voi
         row.perSecond = double(table.count) / row.ms.median * 1e3;
         row.shareOfBound = row.perSecond * table.bytesEach / (bytesPerMs * 1e3);
         row.againstGlm = ratioOf(glmMs, way.ms);
+        row.products = way.products;
+        row.steps = way.steps;
         row.errorU = way.error();
         if (!std::isfinite(row.errorU)) table.failure = fmt::format("{}: a result is not finite", row.name);
         table.ways.push_back(std::move(row));
@@ -102,9 +105,12 @@ double errorOf(const Got& got, const Exact& exact, int entries) {
     return most / largest / kU;
 }
 
-double errorOfMatrix(const glm::mat4& got, const glm::mat4& exact) { return errorOf(&got[0].x, &exact[0].x, 16); }
+// What results are held against: 64 bits of significand, so that binary64 rounded once has an error of its own.
+using LongMatrix = glm::mat<4, 4, long double>;
 
-double errorOfVertices(std::span<const glm::vec4> got, std::span<const glm::vec4> exact) {
+double errorOfMatrix(const glm::mat4& got, const glm::dmat4& exact) { return errorOf(&got[0].x, &exact[0].x, 16); }
+
+double errorOfVertices(std::span<const glm::vec4> got, std::span<const glm::dvec4> exact) {
     double most = 0;
     for (size_t i = 0; i < got.size(); ++i) {
         const double error = errorOf(&got[i].x, &exact[i].x, 4);
@@ -126,12 +132,14 @@ MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& o
     glm::dmat4 exact[kMatrices];
     glm::mat4 single[kMatrices];
     glm::dmat4 all(1);
+    LongMatrix longest(1);
     std::vector<gpu::Rows> seven;
     for (uint32_t i = 0; i < kMatrices; ++i) {
         single[i] = rounded(randomMotion(random));
         exact[i] = glm::dmat4(single[i]);
         seven.push_back(rowsOf(single[i]));
         all = exact[i] * all;
+        longest = LongMatrix(exact[i]) * longest;
     }
     // The composite of an application: multiplied in binary64, rounded once.
     const glm::mat4 composite = rounded(all);
@@ -141,11 +149,12 @@ MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& o
     Buffer<gpu::Rows> oneOnDevice(device, 1, "matrix"), sevenOnDevice(device, kMatrices, "matrices");
     oneOnDevice.upload(one);
     sevenOnDevice.upload(seven);
-    std::vector<glm::vec4> vertices(count), results(count), wanted(count), twin(count);
+    std::vector<glm::vec4> vertices(count), results(count), twin(count);
+    std::vector<glm::dvec4> wanted(count);
     std::uniform_real_distribution<float> within(-1, 1);
     for (uint64_t i = 0; i < count; ++i) {
         vertices[i] = {within(random), within(random), within(random), 1.0f};
-        wanted[i] = glm::vec4(all * glm::dvec4(vertices[i]));
+        wanted[i] = glm::dvec4(longest * glm::vec<4, long double>(vertices[i]));
     }
     in.upload(vertices);
 
@@ -173,16 +182,30 @@ MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& o
         });
     };
     std::vector<Way> ways;
-    const auto onHost = [&](const std::string& name, bool glm, const std::function<void()>& run) {
-        ways.push_back({name, run, [&, run] { return run(), errorOfVertices(results, wanted); }, glm, {}});
+    const auto onHost = [&](const std::string& name, bool glm, const std::function<void()>& run, uint64_t matrices = 1) {
+        ways.push_back({name, run, [&, run] { return run(), errorOfVertices(results, wanted); }, glm});
+        ways.back().products = matrices * count, ways.back().steps = matrices;
     };
-    ways.push_back({"device, one composite", [&] { onDevice(1); }, [&] { return errorOnDevice(1); }, false, {}});
-    ways.push_back({"device, 7 one after another", [&] { onDevice(kMatrices); }, [&] { return errorOnDevice(kMatrices); }, false, {}});
+    // What each way multiplies: a vertex by each of its matrices, one after another.
+    const auto counted = [&](uint64_t matrices) { ways.back().products = matrices * count, ways.back().steps = matrices; };
+    ways.push_back({"device, one composite", [&] { onDevice(1); }, [&] { return errorOnDevice(1); }});
+    counted(1);
+    ways.push_back({"device, 7 one after another", [&] { onDevice(kMatrices); }, [&] { return errorOnDevice(kMatrices); }});
+    counted(kMatrices);
     onHost("twin, one composite", false, [&] { verticesCpu(one, vertices, results, threads); });
-    onHost("twin, 7 one after another", false, [&] { verticesCpu(seven, vertices, results, threads); });
+    onHost("twin, 7 one after another", false, [&] { verticesCpu(seven, vertices, results, threads); }, kMatrices);
     onHost("GLM, one composite, 1 thread", true, [&] { peers::glmVertices(composite, vertices, results); });
     onHost(fmt::format("GLM, one composite, {} threads", threads), true, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices(composite, a, b); }); });
-    onHost(fmt::format("GLM, 7 one after another, {} threads", threads), false, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices7(single, a, b); }); });
+    onHost(fmt::format("GLM, 7 one after another, {} threads", threads), false, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices7(single, a, b); }); }, kMatrices);
+    onHost(fmt::format("binary64, 7 one after another, rounded once, {} threads", threads), false, [&] {
+        parallel(threads, [&](std::span<const glm::vec4> from, std::span<glm::vec4> to) {
+            for (size_t i = 0; i < from.size(); ++i) {
+                glm::dvec4 v(from[i]);
+                for (const glm::dmat4& m : exact) v = m * v;
+                to[i] = glm::vec4(v);
+            }
+        });
+    }, kMatrices);
     std::string why;
     if (peers::hasEigen(why))
         onHost(fmt::format("Eigen, one composite, {} threads", threads), false, [&] { parallel(threads, [&](auto a, auto b) { peers::eigenVertices(composite, a, b); }); });
@@ -204,12 +227,12 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
     table.bytesEach = sizeof(gpu::Rows);
     std::mt19937_64 random(2);
     std::vector<glm::mat4> chain(count);
-    glm::dmat4 all(1);
+    LongMatrix all(1);
     for (glm::mat4& m : chain) {
         m = rounded(randomMotion(random));
-        all = all * glm::dmat4(m);
+        all = all * LongMatrix(m);
     }
-    const glm::mat4 wanted = rounded(all);
+    const glm::dmat4 wanted(all);
     std::vector<gpu::Rows> rows;
     rows.reserve(count);
     for (const glm::mat4& m : chain) rows.push_back(rowsOf(m));
@@ -242,6 +265,11 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
         return from[0];
     };
     std::vector<Way> ways;
+    // A level multiplies runs of perLane matrices, all at once, each from left to right.
+    const auto counted = [&](uint64_t perLane) {
+        ways.back().products = count - 1;
+        for (uint64_t n = count; n > 1; n = (n + perLane - 1) / perLane) ways.back().steps += std::min(perLane, n) - 1;
+    };
     const auto tree = [&](const std::string& name, uint32_t perLane) {
         ways.push_back({"device, " + name, [&, perLane] { treeOnDevice(perLane); },
                         [&, perLane, name] {
@@ -251,7 +279,8 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
                             if (!std::ranges::equal(bytesOf(got), bytesOf(want))) table.failure = fmt::format("a chain of {}, {}: device and twin differ", count, name);
                             return errorOfMatrix(matrixOf(got), wanted);
                         },
-                        false, {}});
+                        false});
+        counted(perLane);
     };
     tree("pairwise tree", 2);
     tree(fmt::format("tree of {}", kPerLane), kPerLane);
@@ -261,9 +290,11 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
         table.absent.push_back(fmt::format("device, sequential: one invocation may loop 65,535 times (lavapipe), the chain has {}", count));
     glm::mat4 product(1);
     ways.push_back({fmt::format("twin, tree of {}", kPerLane), [&] { product = matrixOf(treeOnTwin(kPerLane)); },
-                    [&] { return errorOfMatrix(matrixOf(treeOnTwin(kPerLane)), wanted); }, false, {}});
+                    [&] { return errorOfMatrix(matrixOf(treeOnTwin(kPerLane)), wanted); }});
+    counted(kPerLane);
     const auto glmSequential = [&] { product = peers::glmChain(chain); };
-    ways.push_back({"GLM, sequential", glmSequential, [&, glmSequential] { return glmSequential(), errorOfMatrix(product, wanted); }, true, {}});
+    ways.push_back({"GLM, sequential", glmSequential, [&, glmSequential] { return glmSequential(), errorOfMatrix(product, wanted); }, true});
+    counted(std::max<uint64_t>(2, count));
     const auto glmTree = [&] {
         const uint64_t part = (count + threads - 1) / threads;
         std::vector<glm::mat4> parts((count + part - 1) / part);
@@ -272,7 +303,16 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
         });
         product = peers::glmChain(parts);
     };
-    ways.push_back({fmt::format("GLM, {} parts, {} threads", threads, threads), glmTree, [&, glmTree] { return glmTree(), errorOfMatrix(product, wanted); }, false, {}});
+    ways.push_back({fmt::format("GLM, {} parts, {} threads", threads, threads), glmTree, [&, glmTree] { return glmTree(), errorOfMatrix(product, wanted); }});
+    ways.back().products = count - 1;
+    ways.back().steps = (count + threads - 1) / threads - 1 + std::min<uint64_t>(threads, count) - 1;
+    const auto binary64 = [&] {
+        glm::dmat4 sum(1);
+        for (const glm::mat4& m : chain) sum = sum * glm::dmat4(m);
+        product = rounded(sum);
+    };
+    ways.push_back({"binary64, sequential, rounded once", binary64, [&, binary64] { return binary64(), errorOfMatrix(product, wanted); }});
+    counted(std::max<uint64_t>(2, count));
     std::vector<uint64_t> sums(threads);
     const auto readAll = [&] {
         const std::span<const uint64_t> words(reinterpret_cast<const uint64_t*>(rows.data()), count * sizeof(gpu::Rows) / 8);

@@ -17,7 +17,9 @@ struct MatrixWay {
     double perSecond = 0;             // vertices, or matrices of the chain, by the median
     double shareOfBound = 0;          // of what the memory's bandwidth allows
     Spread againstGlm;                // GLM's best time / this time, of each round; above 1: faster than GLM
-    double errorU = 0;                // largest error of a result against binary64 rounded once, in units of 2^-24 of the result's largest entry
+    uint64_t products = 0;            // of two matrices, or of a matrix and a vertex
+    uint64_t steps = 0;               // of these, the longest row in which each needs the one before it
+    double errorU = 0;                // largest error of a result against the product in long double, in units of 2^-24 of the result's largest entry
 };
 
 struct MatrixTable {

@@ -67,6 +67,8 @@ Json jsonOf(const MatrixTable& table) {
                                 {"per_second", way.perSecond},
                                 {"share_of_bound", way.shareOfBound},
                                 {"against_glm", spreadJson(way.againstGlm)},
+                                {"products", way.products},
+                                {"steps", way.steps},
                                 {"error_u", way.errorU}});
     json["absent"] = table.absent;
     json["failure"] = table.failure;
@@ -76,8 +78,8 @@ Json jsonOf(const MatrixTable& table) {
 std::string textOf(const MatrixTable& table) {
     std::string text = fmt::format("{} of {}; memory {:.1f} GB/s at this size, {:.0f} bytes each\n", table.work, table.count, table.bandwidthGBs, table.bytesEach);
     for (const MatrixWay& way : table.ways)
-        text += fmt::format("  {:<38} {:>10.4f} ms [{:.4f}..{:.4f}]  {:>8.4f} G/s  {:>5.1f} % of the bound  {:>6.2f} of GLM [{:.2f}..{:.2f}]  error {:.2f} u\n", way.name, way.ms.median,
-                            way.ms.p10, way.ms.p90, way.perSecond * 1e-9, way.shareOfBound * 100, way.againstGlm.median, way.againstGlm.p10, way.againstGlm.p90, way.errorU);
+        text += fmt::format("  {:<52} {:>10.4f} ms [{:.4f}..{:.4f}]  {:>8.4f} G/s  {:>5.1f} % of the bound  {:>6.2f} of GLM [{:.2f}..{:.2f}]  {} products, {} in a row  error {:.2f} u\n", way.name, way.ms.median,
+                            way.ms.p10, way.ms.p90, way.perSecond * 1e-9, way.shareOfBound * 100, way.againstGlm.median, way.againstGlm.p10, way.againstGlm.p90, way.products, way.steps, way.errorU);
     for (const std::string& line : table.absent) text += fmt::format("  absent: {}\n", line);
     if (!table.failure.empty()) text += fmt::format("  DISAGREES: {}\n", table.failure);
     return text;
@@ -162,7 +164,8 @@ Exit benchMatrixCommand(const Options& options, Renderer& renderer, const std::v
     Json json = benchContextJson(renderer);
     json["bench"] = "matrix";
     json["tables"] = Json::array();
-    if (text) printData(fmt::format("{}; medians [10 %..90 %] of rounds that run every way in turn; error against binary64 rounded once, u = 2^-24 of the largest entry\n", printable(renderer.name())));
+    if (text) printData(fmt::format("{}; medians [10 %..90 %] of rounds that run every way in turn; error against long double, u = 2^-24 of the largest entry; "
+                                     "products: of two matrices or a matrix and a vertex, and how many of them wait for one another\n", printable(renderer.name())));
     Exit verdict = Exit::done;
     const auto add = [&](const MatrixTable& table) {
         progress.clear();

@@ -29,7 +29,7 @@ Json truthJson(const Truth& truth) {
              "without rounding"}};
 }
 
-Json errorJson(const FrameError& e, bool sampledAlike) {
+Json errorJson(const FrameError& e, bool sampledAlike, const std::optional<Rounding>& rounding) {
     Json json = figuresJson(e.picture, kSteps);
     json["pixels"] = e.pixels;
     json["nan"] = 0;  // a NaN fails before this
@@ -39,17 +39,21 @@ Json errorJson(const FrameError& e, bool sampledAlike) {
     json["depthRelative"] = sampledAlike ? Json(e.depthRelative) : Json();
     json["unrounded"] = figuresJson(e.unrounded, kSteps);
     json["linear"] = figuresJson(e.linear, 1);
-    json["rounding"] = Json();  // the contracts are not re-read in double yet (docs/measure.md)
+    json["rounding"] = Json();
+    if (rounding)
+        json["rounding"] = {{"max", rounding->max / kSteps},   {"maxAt", {rounding->x, rounding->y}}, {"mean", rounding->mean / kSteps},
+                            {"rms", rounding->rms / kSteps},   {"p99", rounding->p99 / kSteps},       {"linearMax", rounding->linearMax},
+                            {"pixels", rounding->pixels}};
     return json;
 }
 
-std::string errorLine(const FrameError& e, const Truth& truth) {
+std::string errorLine(const FrameError& e, const Truth& truth, const std::optional<Rounding>& rounding) {
     return fmt::format(
         "error in steps of 1/255 over {} pixels: max {:.3f} at ({}, {}), p99 {:.3f}, rms {:.3f}; wrong primitive in {} "
-        "({:.3f} %); truth in {:.0f} ms, {} decisions "
+        "({:.3f} %){}; truth in {:.0f} ms, {} decisions "
         "redone exactly",
         e.pixels, e.picture.max, e.picture.x, e.picture.y, e.picture.p99, e.picture.rms, e.wrongPrimitive,
-        100 * e.wrongShare(), truth.timeMs, truth.redone);
+        100 * e.wrongShare(), rounding ? fmt::format("; float32 by itself: max {:.2g}, rms {:.2g}", rounding->max, rounding->rms) : "", truth.timeMs, truth.redone);
 }
 
 }  // namespace plumb

@@ -3,14 +3,15 @@
 #pragma once
 
 #include "pipeline/command/command.h"
+#include "pipeline/render/rounding.h"
 #include "pipeline/truth/frame_error.h"
 
 namespace plumb {
 
 Json truthJson(const Truth&);
-// `sampledAlike`: the picture's samples are the truth's, so that visible primitives and depths can be compared.
-Json errorJson(const FrameError&, bool sampledAlike);
-// One line for people: max and where, p99, rms, wrong primitives.
-std::string errorLine(const FrameError&, const Truth&);
+// `sampledAlike`: the picture's samples are the truth's, so that visible primitives and depths can be compared. No rounding: null.
+Json errorJson(const FrameError&, bool sampledAlike, const std::optional<Rounding>& rounding);
+// One line for people: max and where, p99, rms, wrong primitives, what float32 costs by itself.
+std::string errorLine(const FrameError&, const Truth&, const std::optional<Rounding>& rounding);
 
 }  // namespace plumb

@@ -55,18 +55,26 @@ Json rowJson(const Row& row, const Measurement& m) {
     json["why"] = row.why.empty() ? Json() : Json(row.why);
     json["verdict"] = row.run ? Json(nameOf(row.choice->verdict)) : Json();
     json["timeMs"] = json["ratio"] = json["passesMs"] = json["error"] = json["errorAtItsSamples"] = Json();
-    json["bound"] = json["boundKind"] = Json();  // no choice has a bound proved for whole pictures
+    json["bound"] = json["boundWhy"] = Json();
     if (row.run) {
         const MeasuredRun& run = m.runs[*row.run];
         json["timeMs"] = timesJson(run.total);
         json["ratio"] = ratioJson(run, m.runs[0]);
         json["passesMs"] = passesJson(run);
         if (run.error) {
-            json["error"] = errorJson(*run.error, false);
-            json["errorAtItsSamples"] = errorJson(*run.alike, true);
+            json["error"] = errorJson(*run.error, false, run.rounding);
+            json["errorAtItsSamples"] = errorJson(*run.alike, true, run.rounding);
             for (const char* key : {"wrongPrimitive", "wrongPrimitiveShare", "wrongPrimitiveAt", "depthRelative"})
                 json["error"][key] = json["errorAtItsSamples"][key];
         }
+        if (!run.boundWhy.empty()) json["boundWhy"] = run.boundWhy;
+        if (run.bound)
+            json["bound"] = {{"max", run.bound->max / 255},
+                             {"mean", run.bound->mean / 255},
+                             {"rms", run.bound->rms / 255},
+                             {"p99", run.bound->p99 / 255},
+                             {"choice", {{"linear", run.bound->linear}, {"steps", run.bound->steps}}},
+                             {"kind", "the default picture's error as measured, pixel by pixel, and what the choice may add to it as proved"}};
     }
     json["onFront"] = row.onFront;
     return json;
@@ -113,7 +121,7 @@ Json measurementJson(const Measurement& m, Json context) {
     json["baseline"] = {{"choices", wordsOf(m.runs[0].setting)},
                         {"timeMs", timesJson(m.runs[0].total)},
                         {"passesMs", passesJson(m.runs[0])}};
-    json["baseline"]["error"] = m.runs[0].error ? errorJson(*m.runs[0].error, false) : Json();
+    json["baseline"]["error"] = m.runs[0].error ? errorJson(*m.runs[0].error, false, m.runs[0].rounding) : Json();
     json["rows"] = Json::array();
     for (const Row& row : m.rows) json["rows"].push_back(rowJson(row, m));
     json["frontBy"] = {"timeMs.median", "error.rms"};
@@ -140,7 +148,8 @@ std::string csvOf(const Measurement& m) {
     std::string text =
         "axis,choice,baseline,absent,verdict,time_ms_median,time_ms_min,time_ms_max,n,ratio,error_max,error_max_x,"
         "error_max_y,error_p99,error_mean,error_rms,"
-        "wrong_primitive_share,error_at_its_samples_rms,unrounded_at_its_samples_max,on_front,why\n";
+        "wrong_primitive_share,error_at_its_samples_rms,unrounded_at_its_samples_max,rounding_max,bound_max,bound_rms,"
+        "on_front,why\n";
     for (const Row& row : m.rows) {
         text += fmt::format("{},{},{:d},{:d},{},", row.axis->name, row.choice->name, row.baseline, !row.run,
                             row.run ? nameOf(row.choice->verdict) : "");
@@ -151,19 +160,22 @@ std::string csvOf(const Measurement& m) {
                 run.total.ms.size() < 2 ? "" : fmt::format("{}", run.total.median() / m.runs[0].total.median()));
             if (run.error) {
                 const ErrorFigures& e = run.error->picture;
-                text += fmt::format("{},{},{},{},{},{},{},{},{},", e.max / 255, e.x, e.y, e.p99 / 255, e.mean / 255,
+                const auto share = [](bool known, double steps) { return known ? fmt::format("{}", steps / 255) : std::string(); };
+                text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},", e.max / 255, e.x, e.y, e.p99 / 255, e.mean / 255,
                                     e.rms / 255, run.alike->wrongShare(), run.alike->picture.rms / 255,
-                                    run.alike->unrounded.max / 255);
+                                    run.alike->unrounded.max / 255, share(run.rounding.has_value(), run.rounding ? run.rounding->max : 0),
+                                    share(run.bound.has_value(), run.bound ? run.bound->max : 0),
+                                    share(run.bound.has_value(), run.bound ? run.bound->rms : 0));
             } else {
-                text += ",,,,,,,,,";
+                text += ",,,,,,,,,,,,";
             }
         } else {
-            text += ",,,,,,,,,,,,,,";
+            text += ",,,,,,,,,,,,,,,,,";
         }
         text += fmt::format("{:d},{}\n", row.onFront, row.why.empty() ? "" : quoted(row.why));
     }
     for (const Row& row : m.cut)
-        text += fmt::format("{},{},0,1,,,,,,,,,,,,,,,,0,\"cut by --limit\"\n", row.axis->name, row.choice->name);
+        text += fmt::format("{},{},0,1,,,,,,,,,,,,,,,,,,,0,\"cut by --limit\"\n", row.axis->name, row.choice->name);
     return text;
 }
 
@@ -171,10 +183,11 @@ std::string tableOf(const Measurement& m, const std::string& title, const std::a
     std::string text = fmt::format("{}, {} repetitions interleaved, load {:.2f}\n", title, m.repetitions, load[0]);
     text += fmt::format(
         "error against the truth of {} samples a pixel, in steps of 1/255 of the sRGB code; 'alone': at the picture's "
-        "own samples, before rounding to bytes\n",
+        "own samples, before rounding to bytes; 'bound rms': what rms is proved not to exceed; 'rounding': the most that "
+        "float32 alone costs\n",
         m.truth.samples);
-    text += fmt::format("  {:<14} {:<17} {:>9} {:>20} {:>7} {:>9} {:>8} {:>8} {:>10} {:>9}\n", "axis", "choice",
-                        "median ms", "min .. max", "ratio", "max", "p99", "rms", "alone rms", "wrong");
+    text += fmt::format("  {:<14} {:<17} {:>9} {:>20} {:>7} {:>9} {:>8} {:>8} {:>10} {:>9} {:>10} {:>9}\n", "axis", "choice",
+                        "median ms", "min .. max", "ratio", "max", "p99", "rms", "alone rms", "wrong", "bound rms", "rounding");
     for (const Row& row : m.rows) {
         text += fmt::format("{} {:<14} {:<17} ", row.onFront ? '*' : ' ', row.axis->name,
                             std::string(row.choice->name) + (row.baseline ? " (default)" : ""));
@@ -188,9 +201,10 @@ std::string tableOf(const Measurement& m, const std::string& title, const std::a
             fmt::format("{:.2f} .. {:.2f}", run.total.min(), run.total.max()),
             run.total.ms.size() < 2 ? "" : fmt::format("{:.3f}", run.total.median() / m.runs[0].total.median()));
         if (run.error)
-            text += fmt::format("{:>9.3f} {:>8.3f} {:>8.3f} {:>10.5f} {:>8.3f}%\n", run.error->picture.max,
+            text += fmt::format("{:>9.3f} {:>8.3f} {:>8.3f} {:>10.5f} {:>8.3f}% {:>10} {:>9}\n", run.error->picture.max,
                                 run.error->picture.p99, run.error->picture.rms, run.alike->unrounded.rms,
-                                100 * run.alike->wrongShare());
+                                100 * run.alike->wrongShare(), run.bound ? fmt::format("{:.3f}", run.bound->rms) : "-",
+                                run.rounding ? fmt::format("{:.2g}", run.rounding->max) : "-");
         else
             text += fmt::format("no error: {}\n", row.why);
     }
@@ -271,7 +285,6 @@ Exit measureCommand(const Options& options) {
         throw usageError("--shading: the truth of traced rays is not in this version; choose another shading");
     if (plan.base.request.shading == Shading::wire)
         throw usageError("--shading: wire has no truth to be measured against; it is a row of the axis 'shading'");
-    if (plan.base.request.fill == Fill::notes) throw usageError("measure: the truth is sampled in the middle of pixels, and --fill notes samples whole coordinates");
     plan.base.request.onProgress = [](double) { return interruptedBy() == 0; };
     plan.base.twin = !plan.deviceThere;
     plan.draw = [&renderer](const Scene& drawn, const Setting& setting) {

@@ -61,7 +61,7 @@ Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest&
     if (const std::string rays = raysInWords(request.rays); !rays.empty()) metadata["rays"] = rays;
     metadata["camera"] = cameraJson(view.camera).dump();
     if (stereo.form != StereoForm::none) metadata["stereo"] = stereo.json().dump();
-    metadata["determinism"] = "bits";
+    metadata["determinism"] = determinismOf(request);
     return metadata;
 }
 
@@ -119,7 +119,7 @@ Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector
     json["time_ms"] = Json::object();  // filled when the picture is written
     json["image"] = imageJson(result.frame, facts, blank);
     json["counters"] = countersJson(result.counters);
-    json["determinism"] = "bits";
+    json["determinism"] = determinismOf(request);
     json["memory"] = memoryJson(renderer);
     return json;
 }
@@ -221,10 +221,11 @@ Exit renderCommand(const Options& options) {
             stopIfInterrupted();
             progress.clear();
             const FrameError error = errorOf(result.frame, truth, request.encoding, request.transparent);
-            say(options, errorLine(error, truth));
+            const std::optional<Rounding> rounding = roundingOf(scene, request, result.frame);
+            say(options, errorLine(error, truth, rounding));
             truthMs = truth.timeMs;
             report["truth"] = truthJson(truth);
-            report["error"] = errorJson(error, true);
+            report["error"] = errorJson(error, true, rounding);
         }
         const auto writeStart = Clock::now();
         if (plan.sheet) {

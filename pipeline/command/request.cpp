@@ -91,12 +91,19 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     for (const auto& [axis, choice] : options.trade) apply(setting, axis, choice);
     request.trade = setting.request.trade;
     if (request.shading == Shading::ray && request.trade != Trade{}) throw usageError("--trade is about the raster shadings; --shading ray has none of these choices");
+    if (request.fill == Fill::notes) {
+        Trade other = request.trade;
+        other.specular = Trade().specular;
+        if (other != Trade{}) throw usageError("--trade: --fill notes has the axis specular; the others are of --fill exact");
+    }
     request.threads = options.threads;
     request.chunkTriangles = options.limitChunk;
     request.bandRows = options.limitBand;
     request.watchdogMs = options.watchdogMs;
     return request;
 }
+
+const char* determinismOf(const RenderRequest& request) { return request.trade.native() ? "bounded" : "bits"; }
 
 uint32_t backgroundPixel(const RenderRequest& request) {
     uint32_t pixel = request.transparent ? 0 : 0xff000000u;

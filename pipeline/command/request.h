@@ -12,6 +12,8 @@ namespace plumb {
 
 LoadOptions loadOptionsOf(const Options&);
 RenderRequest requestOf(const Options&, const Scene&, glm::uvec2 size);
+// The verdict of docs/accuracy.md on what is drawn: "bits" or "bounded".
+const char* determinismOf(const RenderRequest&);
 // The packed pixel that shows where nothing is drawn.
 uint32_t backgroundPixel(const RenderRequest&);
 

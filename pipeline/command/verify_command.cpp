@@ -57,12 +57,16 @@ std::vector<std::string> writeEvidence(const Options& options, const VerifyRepor
 }
 
 std::string textOf(const std::string& title, const VerifyReport& report, const std::vector<std::string>& written) {
-    std::string text = fmt::format("{}: {}\n", title, report.equal ? "equal" : "DIFFERS");
+    std::string text = fmt::format("{}: {}\n", title, !report.equal ? "DIFFERS" : report.bounded ? "within the bound" : "equal");
+    if (report.bounded)
+        text += fmt::format("  bound {:.3g} in linear light, {:g} steps of the code: the device's own functions draw\n",
+                            std::max({report.boundLinear.x, report.boundLinear.y, report.boundLinear.z}), report.boundSteps);
     for (const auto& [pass, equal] : report.passes) text += fmt::format("  pass  {:<12} {}\n", pass, equal ? "equal" : "differs");
     for (const VerifyPlane& plane : report.planes) {
         const bool equal = plane.differing == 0 && plane.twinSha256 == plane.deviceSha256;
         text += fmt::format("  plane {:<12} {:<7} {}", plane.name, equal ? "equal" : "differs", plane.twinSha256);
-        text += equal ? std::string("\n") : fmt::format(" twin\n{:28}{} device, {} elements differ\n", "", plane.deviceSha256, plane.differing);
+        text += equal ? std::string("\n") : fmt::format(" twin\n{:28}{} device, {} elements differ{}\n", "", plane.deviceSha256, plane.differing,
+                                                           report.bounded ? fmt::format(", {} beyond the bound", plane.beyond) : "");
     }
     for (const Mismatch& m : report.mismatches) text += fmt::format("  {}{}: {}\n", m.pass, m.chain ? " (whole chain)" : " (on the twin's input)", m.what);
     for (const std::string& path : written) text += fmt::format("  wrote {}\n", printable(path));
@@ -72,6 +76,7 @@ std::string textOf(const std::string& title, const VerifyReport& report, const s
 Json jsonOf(const VerifyReport& report, const std::vector<std::string>& written) {
     Json json;
     json["equal"] = report.equal;
+    json["bound"] = report.bounded ? Json({{"linear", {report.boundLinear.x, report.boundLinear.y, report.boundLinear.z}}, {"steps", report.boundSteps}}) : Json();
     json["passes"] = Json::array();
     for (const auto& [pass, equal] : report.passes) json["passes"].push_back({{"pass", pass}, {"equal", equal}});
     json["planes"] = Json::array();
@@ -79,6 +84,7 @@ Json jsonOf(const VerifyReport& report, const std::vector<std::string>& written)
         json["planes"].push_back({{"name", p.name},
                                   {"equal", p.differing == 0 && p.twinSha256 == p.deviceSha256},
                                   {"differing", p.differing},
+                                  {"beyond", p.beyond},
                                   {"sha256_twin", p.twinSha256},
                                   {"sha256_device", p.deviceSha256}});
     json["mismatches"] = Json::array();
@@ -151,7 +157,7 @@ Exit verifyCommand(const Options& options) {
             json["plan"] = planJson(report.device.plan);
             json["time_ms"] = {{"twin", report.twin.totalMs}, {"device", report.device.totalMs}, {"total", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count()}};
             json["counters"] = countersJson(report.device.counters);
-            json["determinism"] = "bits";
+            json["determinism"] = determinismOf(request);
             json["memory"] = memoryJson(renderer);
             reports.push_back(std::move(json));
         }

@@ -29,6 +29,11 @@ void useThreads(Setting& s) {
 void useDevice(Setting& s) { s.twin = false; }
 void useTwin(Setting& s) { s.twin = true; }
 
+template <Fill value>
+void fillBy(Setting& s) {
+    s.request.fill = value;
+}
+
 using Specular = Trade::Specular;
 using Vectors = Trade::Vectors;
 template <Specular value>
@@ -50,6 +55,18 @@ void useDepthBits(Setting& s) {
 template <uint32_t value>
 void useSubpixelBits(Setting& s) {
     s.request.trade.subpixelBits = value;
+}
+template <bool value>
+void normalise(Setting& s) {
+    s.request.trade.unitNormals = value;
+}
+template <bool value>
+void shadeCoarsely(Setting& s) {
+    s.request.trade.coarse = value;
+}
+template <bool value>
+void encodeNatively(Setting& s) {
+    s.request.trade.nativeEncode = value;
 }
 // The only one that there is.
 void keep(Setting&) {}
@@ -74,19 +91,21 @@ const std::vector<Axis> kAxes = {
       {"4", Verdict::bits, useSubpixelBits<4>, "vertices snapped to 1/16 px: off by 1/32 px at most"}}},
     {"fill",
      "which pixels a triangle covers",
-     {{"exact", Verdict::bits, keep, "exact edge values, top-left rule"},
-      {"notes", Verdict::bits, nullptr, "it samples whole coordinates, and the truth here the middle of pixels"}}},
+     {{"exact", Verdict::bits, fillBy<Fill::exact>, "exact edge values, top-left rule"},
+      {"notes", Verdict::bits, fillBy<Fill::notes>, "the lecture notes' fill, against the truth at whole coordinates, which it samples"}}},
     {"interpolation",
      "how attributes run across a triangle",
      {{"perspective", Verdict::bits, beAffine<false>, "weighted by 1/w"}, {"affine", Verdict::bits, beAffine<true>, "linear on the screen"}}},
     {"depth",
      "what the Z-buffer holds",
      {{"reversed-32", Verdict::bits, useDepthBits<32>, "n/w as float32"},
+      {"standard-32", Verdict::bits, useDepthBits<Trade::kStandardDepth>, "1 - n/w as float32, the usual way round: off by less than 2^-24"},
       {"24", Verdict::bits, useDepthBits<24>, "n/w in fixed point: off by less than 2^-24"},
       {"16", Verdict::bits, useDepthBits<16>, "n/w in fixed point: off by less than 2^-16"}}},
     {"normals",
      "length of interpolated normals",
-     {{"normalised", Verdict::bits, keep, "made unit at every pixel"}, {"as-interpolated", Verdict::bits, nullptr, "there is no kernel without it in this version"}}},
+     {{"normalised", Verdict::bits, normalise<true>, "made unit at every pixel"},
+      {"as-interpolated", Verdict::bits, normalise<false>, "unit at vertices, shorter between them"}}},
     {"light-vector",
      "where the directions to lights and eye are computed",
      {{"pixel", Verdict::bits, direct<Vectors::pixel>, "at every pixel"},
@@ -97,12 +116,14 @@ const std::vector<Axis> kAxes = {
      "the power of the highlight",
      {{"exact", Verdict::bits, shine<Specular::exact>, "polynomials of our own"},
       {"schlick", Verdict::bits, shine<Specular::schlick>, "a quotient: at most 0.2037 above the power for exponents from 1"},
-      {"native", Verdict::bounded, nullptr, "the device's pow is kept out of the exact modules"}}},
-    {"rate", "pixels that are shaded", {{"1", Verdict::bits, keep, "every one"}, {"1/2", Verdict::bits, nullptr, "there is no coarser shading in this version"}}},
+      {"native", Verdict::bounded, shine<Specular::native>, "the device's own pow: within a bound of the exact one"}}},
+    {"rate",
+     "pixels that are shaded",
+     {{"1", Verdict::bits, shadeCoarsely<false>, "every one"}, {"1/2", Verdict::bits, shadeCoarsely<true>, "one in 2x2, whose colour the others take"}}},
     {"encode",
      "how light becomes bytes",
-     {{"threshold", Verdict::bits, keep, "the correctly rounded code, by 255 thresholds"},
-      {"native", Verdict::bounded, nullptr, "the device's pow is kept out of the exact modules"}}},
+     {{"threshold", Verdict::bits, encodeNatively<false>, "the correctly rounded code, by 255 thresholds"},
+      {"native", Verdict::bounded, encodeNatively<true>, "the device's own pow: at most one code off, next to a tie"}}},
     {"encoding",
      "the curve of the bytes",
      {{"srgb", Verdict::bits, encode<Encoding::srgb>, "IEC 61966-2-1"}, {"linear", Verdict::bits, encode<Encoding::linear>, "bytes in proportion to light"}}},
@@ -129,10 +150,12 @@ std::string wordsOf(const Setting& s) {
     const RenderRequest& r = s.request;
     static constexpr const char* kShadings[] = {"wire", "unlit", "flat", "gouraud", "phong"};
     const Trade& t = r.trade;
-    return fmt::format("shading={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} renderer={}{}", kShadings[size_t(r.shading)],
-                       r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, t.specular == Specular::exact ? "exact" : "schlick",
-                       t.vectors == Vectors::pixel ? "pixel" : "scene", t.affine ? "affine" : "perspective", t.depthBits, t.subpixelBits,
-                       s.twin ? "twin" : "device", s.twin ? fmt::format(" threads={}", r.threads) : "");
+    static constexpr const char* kSpeculars[] = {"exact", "schlick", "native"};
+    const std::string depth = t.depthBits == 32 ? "reversed-32" : t.depthBits == Trade::kStandardDepth ? "standard-32" : std::to_string(t.depthBits);
+    return fmt::format("shading={} fill={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} normals={} rate={} encode={} renderer={}{}",
+                       kShadings[size_t(r.shading)], r.fill == Fill::notes ? "notes" : "exact", r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, kSpeculars[size_t(t.specular)],
+                       t.vectors == Vectors::pixel ? "pixel" : "scene", t.affine ? "affine" : "perspective", depth, t.subpixelBits,
+                       t.unitNormals ? "normalised" : "as-interpolated", t.coarse ? "1/2" : "1", t.nativeEncode ? "native" : "threshold", s.twin ? "twin" : "device", s.twin ? fmt::format(" threads={}", r.threads) : "");
 }
 
 std::span<const Axis> axes() { return kAxes; }

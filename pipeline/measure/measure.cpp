@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <tuple>
 
 namespace plumb {
 
@@ -17,6 +18,15 @@ namespace {
 constexpr const char* kWireWhy = "a wire frame has no truth: its lines are a drawing, not the picture of a surface";
 // Of the time that is left, this share is planned with; rounds differ in length.
 constexpr double kPlannedShare = 0.9;
+
+// What the notes' fill does not have. Null: nothing is missing.
+const char* notesLack(const Setting& setting) {
+    const RenderRequest& r = setting.request;
+    if (r.fill != Fill::notes || r.shading == Shading::wire) return nullptr;
+    Trade other = r.trade;
+    other.specular = Trade().specular;
+    return other != Trade{} ? "the notes' fill has no such choice" : nullptr;
+}
 
 class Measuring {
 public:
@@ -61,7 +71,9 @@ private:
                 } else {
                     Setting setting = plan_.base;
                     choice.apply(setting);
-                    if (!setting.twin && !plan_.deviceThere) {
+                    if (const char* lacks = notesLack(setting); lacks != nullptr) {
+                        row.why = lacks;
+                    } else if (!setting.twin && !plan_.deviceThere) {
                         row.why = "no device draws here";
                     } else {
                         row.run = runOf(setting);
@@ -74,14 +86,17 @@ private:
         estimates_.assign(out_.runs.size(), 0);
     }
 
-    const Truth& truthAt(uint32_t samples) {
-        auto found = truths_.find(samples);
+    // The notes' fill samples whole coordinates, and so does the truth that it is held against.
+    const Truth& truthAt(uint32_t samples, Fill fill, uint32_t drawn) {
+        if (fill != Fill::notes) drawn = samples;
+        auto found = truths_.find({samples, fill, drawn});
         if (found == truths_.end()) {
             RenderRequest request = plan_.base.request;
+            request.fill = fill;
             request.shading = Shading::phong;
             request.samples = samples;
             request.onProgress = [this](double) { return tell(0), true; };
-            found = truths_.emplace(samples, truthOf(scene_, request)).first;
+            found = truths_.emplace(std::tuple(samples, fill, drawn), truthOf(scene_, request, drawn)).first;
         }
         return found->second;
     }
@@ -99,14 +114,36 @@ private:
             Setting full = run.setting;
             if (full.request.shading != Shading::wire)
                 full.request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
-            const RenderResult result = plan_.draw(scene_, full);
+            RenderResult result;
+            try {
+                result = plan_.draw(scene_, full);
+            } catch (const Error& refusal) {
+                // The notes' fill does not draw every mesh; the default picture must be drawn.
+                if (i == 0 || (refusal.exit() != Exit::input && refusal.exit() != Exit::usage)) throw;
+                run.refused = refusal.what();
+                run.cut = true;
+                continue;
+            }
             if (full.request.shading != Shading::wire) {
                 const bool transparent = full.request.transparent;
-                run.error = errorOf(result.frame, truthAt(most), full.request.encoding, transparent);
+                const Fill fill = full.request.fill;
+                run.error = errorOf(result.frame, truthAt(most, fill, full.request.samples), full.request.encoding, transparent);
                 run.alike = full.request.samples == most ? run.error
-                                                         : errorOf(result.frame, truthAt(full.request.samples),
+                                                         : errorOf(result.frame, truthAt(full.request.samples, fill, full.request.samples),
                                                                    full.request.encoding, transparent);
                 run.alike->perPixel.clear();
+                run.alike->unroundedPerPixel.clear();
+                if (i == 0) baseLinear_ = result.frame.linear, baseSteps_ = run.error->unroundedPerPixel;
+                run.error->unroundedPerPixel.clear();
+                // The twin draws the same bytes as the device, with any number of threads.
+                Setting same = run.setting;
+                same.twin = plan_.base.twin;
+                same.request.threads = plan_.base.request.threads;
+                if (i > 0 && wordsOf(same) == wordsOf(plan_.base))
+                    run.rounding = out_.runs[0].rounding;
+                else if (i == 0 || leftMs() > 0)
+                    run.rounding = roundingOf(scene_, full.request, result.frame);
+                if (i > 0) takeBound(run, *run.error);
                 if (!plan_.keepPictures) run.error->perPixel.clear();
             }
             estimates_[i] = result.totalMs;
@@ -119,7 +156,53 @@ private:
             if (plan_.keepPictures) run.rgba = result.frame.rgba;
             tell(0.3 * double(i + 1) / double(out_.runs.size()));
         }
-        out_.truth = truthAt(most);
+        out_.truth = truthAt(most, plan_.base.request.fill, plan_.base.request.samples);
+    }
+
+    // Only where nothing but the trade differs from the default picture, and that gives nothing away.
+    void takeBound(MeasuredRun& run, const FrameError& error) const {
+        const RenderRequest &base = plan_.base.request, &request = run.setting.request;
+        Setting rest = run.setting;
+        rest.request.trade = base.trade;
+        if (request.trade == base.trade || wordsOf(rest) != wordsOf(plan_.base)) {
+            run.boundWhy = "only a choice of the trade is bounded";
+            return;
+        }
+        if (base.trade != Trade{} || base.encoding != Encoding::srgb) {
+            run.boundWhy = "bounds are those of choices against an sRGB picture that trades nothing";
+            return;
+        }
+        const ColourBound moves = boundOfTrade(scene_, request);
+        if (!moves.proved) {
+            run.boundWhy = moves.why;
+            return;
+        }
+        ErrorBound bound;
+        bound.linear = std::max({moves.linear.x, moves.linear.y, moves.linear.z});
+        bound.steps = moves.steps;
+        // |byte - truth| <= |default - truth|, measured, + what the choice moves + half a step of rounding + the steps of the code.
+        const double last = 0.5 + moves.steps;
+        std::vector<double> sums;
+        double moved = 0;
+        for (size_t at = 0; at < baseSteps_.size(); ++at) {
+            if (!(error.perPixel[at] > 0) && !(baseSteps_[at] > 0)) continue;  // nothing is shown
+            double most = 0;
+            for (int c = 0; c < 3; ++c) {
+                const double value = double(baseLinear_[3 * at + size_t(c)]), off = moves.linear[c];
+                most = std::max({most, srgbCode(value + off) - srgbCode(value), srgbCode(value) - srgbCode(value - off)});
+            }
+            sums.push_back(double(baseSteps_[at]) + most + last);
+            moved += most * most;
+        }
+        if (!sums.empty()) {
+            for (const double s : sums) bound.max = std::max(bound.max, s), bound.mean += s;
+            bound.mean /= double(sums.size());
+            const size_t rank = (sums.size() * 99 + 99) / 100 - 1;
+            std::nth_element(sums.begin(), sums.begin() + ptrdiff_t(rank), sums.end());
+            bound.p99 = sums[rank];
+            bound.rms = out_.runs[0].error->unrounded.rms + std::sqrt(moved / double(sums.size())) + last;
+        }
+        run.bound = bound;
     }
 
     void planRounds() {
@@ -162,7 +245,13 @@ private:
 
     void finish() {
         std::vector<Row> kept;
-        for (Row& row : out_.rows) (row.run && out_.runs[*row.run].cut ? out_.cut : kept).push_back(row);
+        for (Row& row : out_.rows) {
+            if (row.run && !out_.runs[*row.run].refused.empty()) {
+                row.why = out_.runs[*row.run].refused;
+                row.run.reset();
+            }
+            (row.run && out_.runs[*row.run].cut ? out_.cut : kept).push_back(row);
+        }
         out_.rows = std::move(kept);
         std::vector<TradePoint> points;
         std::vector<size_t> runs;
@@ -188,7 +277,8 @@ private:
     const MeasurePlan& plan_;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     Measurement out_;
-    std::map<uint32_t, Truth> truths_;
+    std::map<std::tuple<uint32_t, Fill, uint32_t>, Truth> truths_;  // by its samples, fill, samples drawn
+    std::vector<float> baseLinear_, baseSteps_;  // of the default picture: its colours, and its errors before rounding to bytes
     std::vector<double> estimates_;  // ms of one draw of each run
     uint32_t rounds_ = 0;
 };

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "pipeline/measure/axes.h"
+#include "pipeline/render/bound.h"
+#include "pipeline/render/rounding.h"
 #include "pipeline/truth/frame_error.h"
 
 #include <map>
@@ -28,6 +30,14 @@ struct Times {
     double max() const;
 };
 
+// Between which the error of a picture must lie where its choice has a proved bound: the default picture's error as it was measured, pixel by pixel,
+// and what the choice may add to it (pipeline/render/bound.h). Steps of the sRGB code, rounding to bytes included.
+struct ErrorBound {
+    double max = 0, mean = 0, rms = 0, p99 = 0;
+    double linear = 0;  // what the choice may add, in linear light
+    double steps = 0;   // and in steps of the code, after that
+};
+
 // A distinct way to draw; rows of several axes may share one (the default picture stands in every axis).
 struct MeasuredRun {
     Setting setting;
@@ -35,7 +45,11 @@ struct MeasuredRun {
     std::vector<std::pair<std::string, Times>> passes;
     std::optional<FrameError> error;  // against the one truth; none for a wire frame
     std::optional<FrameError> alike;  // against the truth at the picture's own samples
+    std::optional<ErrorBound> bound;  // of `error`; none for the default picture itself
+    std::string boundWhy;             // no bound: why
+    std::optional<Rounding> rounding; // what float32 costs by itself
     std::vector<uint32_t> rgba;       // keepPictures
+    std::string refused;              // what the renderer says who does not draw this scene so; then it is cut, and its rows are absent
     bool cut = false;                 // the limit left no time for it
 };
 
@@ -53,7 +67,7 @@ struct Measurement {
     std::vector<Row> rows;  // in the order of the axes; those that were cut are in `cut` instead
     std::vector<Row> cut;
     std::vector<size_t> front;  // rows, by rising time; a run that several rows share stands once
-    Truth truth;                // of the most samples among the choices
+    Truth truth;                // with the fill of the default picture, of the most samples among the choices
     uint32_t repetitions = 0;   // that every row has
     double totalMs = 0;
 };

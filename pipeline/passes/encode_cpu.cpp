@@ -67,8 +67,12 @@ uint32_t encodeSrgbCpu(float linear) {
 
 uint32_t encodePixelCpu(uint32_t encoding, const float* linear, uint32_t alpha) {
     uint32_t word = alpha << 24;
-    for (int i = 0; i < 3; ++i)
-        word |= (encoding == gpu::kEncodeSrgb ? encodeSrgbCpu(linear[i]) : uint32_t(gpu::encodeLinear(linear[i]))) << (8 * i);
+    for (int i = 0; i < 3; ++i) {
+        const uint32_t code = encoding == gpu::kEncodeSrgb     ? encodeSrgbCpu(linear[i])
+                              : encoding == gpu::kEncodeNative ? uint32_t(gpu::encodeNative(linear[i]))
+                                                               : uint32_t(gpu::encodeLinear(linear[i]));
+        word |= code << (8 * i);
+    }
     return word;
 }
 

@@ -5,6 +5,7 @@
 
 #include "host/recorder.h"
 #include "pipeline/passes/draw_list.h"
+#include "pipeline/passes/transform.h"
 #include "shaders/shared/encode.h"
 
 #include <span>
@@ -17,13 +18,30 @@ struct FillChoices {
     gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
     bool oneMaterial = false, oneLight = false;
     bool affine = false;                 // attributes without perspective
-    uint32_t depthBits = 32;             // 32: float32; 16, 24: fixed point
+    uint32_t depthBits = 32;             // 32: float32; gpu::kDepthStandard: float32 of 1 - n/w; 16, 24: fixed point
+    bool unitNormals = true;             // false: as interpolated
+    bool coarse = false;                 // Phong: one shaded pixel in 2 x 2
     uint32_t encoding = gpu::kEncodeSrgb;
     uint32_t planes = 0;                 // gpu::kFillPlane bits that the plane buffer holds
     uint32_t write = 0;                  // of these: to write
     bool prior = false, wide = false, colour = true;
     uint32_t subgroupSize = 0;           // device: 0 = every invocation sets up every triangle; else shared by shuffles
 };
+
+// What the transform leaves for these choices. `always`: world normals whatever the shading (normal plane).
+inline Normals normalsCarried(const FillChoices& choices, bool always) {
+    if (always) return Normals::direction;
+    if (choices.shading != gpu::kShadingPhong) return Normals::none;
+    return choices.unitNormals ? Normals::direction : Normals::unit;
+}
+// The choices with which the normals of a picture of another shading are drawn.
+inline FillChoices forNormals(FillChoices choices) {
+    choices.shading = gpu::kShadingPhong;
+    choices.parts = {false, false, false, gpu::kPowerExact};
+    choices.unitNormals = true;
+    choices.coarse = false;
+    return choices;
+}
 
 // Twin, first half: z bits (of `depthBits`) and drawn triangle + 1 (0: none) of every pixel of a frame.
 void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen,

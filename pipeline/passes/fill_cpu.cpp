@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/passes/fill.h"
 
+#include "host/error.h"
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/parallel.h"
 
@@ -80,6 +81,7 @@ void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draw
                     const size_t at = size_t(row - frame.firstRow) * size_t(frame.width) + size_t(x);
                     int here = gpu::depthBits(g.whole(2, x, row), g.whole(0, x, row), plane.k1, plane.k2, plane.zc, plane.low, plane.high);
                     if (depthBits < 32) here = gpu::coarseDepth(here, depthBits);
+                    if (depthBits == gpu::kDepthStandard) here = gpu::standardDepth(here);
                     if (!gpu::wins(here, int(t + 1), z[at], int(draw[at]))) continue;
                     z[at] = here;
                     draw[at] = t + 1;
@@ -92,62 +94,89 @@ void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draw
 void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoices& choices, std::span<const gpu::DrawTriangle> draws,
               std::span<const gpu::ScreenVertex> screen, std::span<const glm::vec4> carried, std::span<const int> z,
               std::span<const uint32_t> draw, std::span<float> linear, std::span<float> normal, uint32_t threads) {
+    const auto shade = [&](size_t at, float* colour, float* unitNormal) {
+        const int64_t x = int64_t(at % size_t(frame.width)), y = int64_t(at / size_t(frame.width)) + frame.firstRow;
+        const gpu::DrawTriangle& d = draws[draw[at] - 1];
+        const gpu::MaterialRecord& m = list.materials[list.triangles[d.source].w];
+        std::array<float, 4> value{};
+        if (choices.shading == gpu::kShadingFlat) {
+            const glm::vec4& c = carried[list.triangleFace[d.source]];
+            value = {c.x, c.y, c.z, 1};
+        } else if (choices.shading >= gpu::kShadingGouraud) {
+            const Geometry g(d, screen);
+            float e[3], w[3];
+            for (int i = 0; i < 3; ++i) e[i] = g.whole(i, x, y) + g.rho(i);
+            int highest = 0;
+            for (uint32_t v : d.vertex) highest = std::max(highest, gpu::bitsOf(screen[v].z));
+            for (int i = 0; i < 3; ++i) w[i] = choices.affine ? 1.0f : screen[d.vertex[i]].z * gpu::weightScale(highest);
+            const glm::vec4 &a0 = carried[d.vertex[0]], &a1 = carried[d.vertex[1]], &a2 = carried[d.vertex[2]];
+            for (int i = 0; i < 3; ++i) value[size_t(i)] = gpu::weigh(a0[i] * w[0], a1[i] * w[1], a2[i] * w[2], e[0], e[1], e[2]);
+            value[3] = gpu::weigh(w[0], w[1], w[2], e[0], e[1], e[2]);
+        }
+        gpu::Colour c{};
+        if (choices.shading == gpu::kShadingUnlit) {
+            c = {m.diffuse.x, m.diffuse.y, m.diffuse.z};
+        } else if (choices.shading == gpu::kShadingFlat) {
+            c = {value[0], value[1], value[2]};
+        } else if (choices.shading == gpu::kShadingGouraud) {
+            const float inverse = gpu::reciprocal(value[3]);
+            c = {value[0] * inverse, value[1] * inverse, value[2] * inverse};
+        } else {
+            gpu::Surface s{};
+            if (choices.unitNormals) {
+                gpu::unitVector(value[0], value[1], value[2]);
+            } else {
+                const float inverse = gpu::reciprocal(value[3]);
+                for (size_t i = 0; i < 3; ++i) value[i] *= inverse;
+            }
+            s.nx = value[0];
+            s.ny = value[1];
+            s.nz = value[2];
+            const float px = float(x) + 0.5f, py = float(y) + 0.5f;
+            const float rx = gpu::rayAt(list.rayOrigin.x, list.rayX.x, list.rayY.x, px, py);
+            const float ry = gpu::rayAt(list.rayOrigin.y, list.rayX.y, list.rayY.y, px, py);
+            const float rz = gpu::rayAt(list.rayOrigin.z, list.rayX.z, list.rayY.z, px, py);
+            s.vx = -rx;
+            s.vy = -ry;
+            s.vz = -rz;
+            gpu::seeFrom(list.towardViewer != glm::vec3(0), list.towardViewer, s);
+            const float w = gpu::reciprocal(gpu::realOf(z[at])) * list.viewport.near;
+            s.px = rx * w;
+            s.py = ry * w;
+            s.pz = rz * w;
+            c = {m.base.x, m.base.y, m.base.z};
+            for (const gpu::LightRecord& light : list.lights)
+                gpu::addLight(glm::vec4(light.place, light.kind), glm::vec4(light.intensity, light.attenuation), s,
+                              reflectanceOf(m), choices.parts, c);
+            if (unitNormal) {
+                if (!choices.unitNormals) gpu::unitVector(value[0], value[1], value[2]);
+                std::copy_n(value.begin(), 3, unitNormal);
+            }
+        }
+        colour[0] = c.r;
+        colour[1] = c.g;
+        colour[2] = c.b;
+    };
+    // The pixel whose colour a pixel takes.
+    const auto shaded = [&](size_t at) {
+        const size_t width = size_t(frame.width), row = at / width;
+        PLUMB_ASSERT(frame.firstRow % 2 == 0);
+        const size_t corner = (row & ~size_t(1)) * width + (at % width & ~size_t(1));
+        const bool inX = corner % width + 1 < width, inY = (row & ~size_t(1)) + 1 < size_t(frame.rows);
+        const int which = gpu::firstDrawn(draw[corner] != 0, inX && draw[corner + 1] != 0, inY && draw[corner + width] != 0,
+                                          inX && inY && draw[corner + width + 1] != 0);
+        return corner + size_t(which & 1) + (which > 1 ? width : 0);
+    };
     parallelBands(uint64_t(frame.rows), 8, threads, [&](uint64_t begin, uint64_t end) {
         for (size_t at = begin * frame.width; at < end * frame.width; ++at) {
             if (!draw[at]) continue;
-            const int64_t x = int64_t(at % size_t(frame.width)), y = int64_t(at / size_t(frame.width)) + frame.firstRow;
-            const gpu::DrawTriangle& d = draws[draw[at] - 1];
-            const gpu::MaterialRecord& m = list.materials[list.triangles[d.source].w];
-            std::array<float, 4> value{};
-            if (choices.shading == gpu::kShadingFlat) {
-                const glm::vec4& c = carried[list.triangleFace[d.source]];
-                value = {c.x, c.y, c.z, 1};
-            } else if (choices.shading >= gpu::kShadingGouraud) {
-                const Geometry g(d, screen);
-                float e[3], w[3];
-                for (int i = 0; i < 3; ++i) e[i] = g.whole(i, x, y) + g.rho(i);
-                int highest = 0;
-                for (uint32_t v : d.vertex) highest = std::max(highest, gpu::bitsOf(screen[v].z));
-                for (int i = 0; i < 3; ++i) w[i] = choices.affine ? 1.0f : screen[d.vertex[i]].z * gpu::weightScale(highest);
-                const glm::vec4 &a0 = carried[d.vertex[0]], &a1 = carried[d.vertex[1]], &a2 = carried[d.vertex[2]];
-                for (int i = 0; i < 3; ++i) value[size_t(i)] = gpu::weigh(a0[i] * w[0], a1[i] * w[1], a2[i] * w[2], e[0], e[1], e[2]);
-                value[3] = gpu::weigh(w[0], w[1], w[2], e[0], e[1], e[2]);
-            }
-            gpu::Colour c{};
-            if (choices.shading == gpu::kShadingUnlit) {
-                c = {m.diffuse.x, m.diffuse.y, m.diffuse.z};
-            } else if (choices.shading == gpu::kShadingFlat) {
-                c = {value[0], value[1], value[2]};
-            } else if (choices.shading == gpu::kShadingGouraud) {
-                const float inverse = gpu::reciprocal(value[3]);
-                c = {value[0] * inverse, value[1] * inverse, value[2] * inverse};
-            } else {
-                gpu::unitVector(value[0], value[1], value[2]);
-                const float px = float(x) + 0.5f, py = float(y) + 0.5f;
-                gpu::Surface s{};
-                s.nx = value[0];
-                s.ny = value[1];
-                s.nz = value[2];
-                const float rx = gpu::rayAt(list.rayOrigin.x, list.rayX.x, list.rayY.x, px, py);
-                const float ry = gpu::rayAt(list.rayOrigin.y, list.rayX.y, list.rayY.y, px, py);
-                const float rz = gpu::rayAt(list.rayOrigin.z, list.rayX.z, list.rayY.z, px, py);
-                s.vx = -rx;
-                s.vy = -ry;
-                s.vz = -rz;
-                gpu::seeFrom(list.towardViewer != glm::vec3(0), list.towardViewer, s);
-                const float w = gpu::reciprocal(gpu::realOf(z[at])) * list.viewport.near;
-                s.px = rx * w;
-                s.py = ry * w;
-                s.pz = rz * w;
-                c = {m.base.x, m.base.y, m.base.z};
-                for (const gpu::LightRecord& light : list.lights)
-                    gpu::addLight(glm::vec4(light.place, light.kind), glm::vec4(light.intensity, light.attenuation), s,
-                                  reflectanceOf(m), choices.parts, c);
-                if (!normal.empty()) std::copy(value.begin(), value.begin() + 3, normal.begin() + ptrdiff_t(3 * at));
-            }
-            linear[3 * at] = c.r;
-            linear[3 * at + 1] = c.g;
-            linear[3 * at + 2] = c.b;
+            float* colour = &linear[3 * at];
+            float* unitNormal = normal.empty() ? nullptr : &normal[3 * at];
+            const size_t from = choices.coarse ? shaded(at) : at;
+            if (from == at || unitNormal) shade(at, colour, unitNormal);
+            if (from == at) continue;
+            if (from >= begin * frame.width && from < at) std::copy_n(&linear[3 * from], 3, colour);
+            else shade(from, colour, nullptr);
         }
     });
 }

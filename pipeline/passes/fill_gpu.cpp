@@ -2,6 +2,8 @@
 #include "pipeline/passes/fill.h"
 
 #include <spirv/fill.h>
+#include <spirv/fill_native.h>
+#include <spirv/fill_native_shuffle.h>
 #include <spirv/fill_shuffle.h>
 
 namespace plumb {
@@ -25,11 +27,15 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
     constants[16] = choices.affine;
     constants[17] = choices.depthBits;
     constants[18] = push.toward != glm::vec3(0);
+    constants[20] = choices.unitNormals;
+    constants[21] = choices.coarse;
     // Wide triangles need more words than are worth shuffling.
     const bool shuffle = choices.subgroupSize >= 8 && choices.subgroupSize <= 64 && !choices.wide;
     if (shuffle) constants[14] = choices.subgroupSize;
     const uint64_t tileOffset = uint64_t(firstTile) * sizeof(glm::uvec4);
-    recorder.dispatch("fill", shuffle ? spirv::fill_shuffle : spirv::fill, uint64_t(push.tileCount) * 8, push,
+    const bool native = choices.parts.power == gpu::kPowerNative || choices.encoding == gpu::kEncodeNative;
+    const auto& words = native ? (shuffle ? spirv::fill_native_shuffle : spirv::fill_native) : (shuffle ? spirv::fill_shuffle : spirv::fill);
+    recorder.dispatch("fill", words, uint64_t(push.tileCount) * 8, push,
                       {texels(b.draws, View::texelU32x4), texels(b.screen, View::texelU32x4), texels(b.carried, View::texelF32x4),
                        texels(b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
                        texels(b.entries, View::texelU32), texels(b.triangleMaterials, View::texelU32),

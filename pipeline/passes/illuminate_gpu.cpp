@@ -2,6 +2,7 @@
 #include "pipeline/passes/illuminate.h"
 
 #include <spirv/illuminate.h>
+#include <spirv/illuminate_native.h>
 
 #include <algorithm>
 
@@ -25,6 +26,7 @@ void recordIlluminate(Recorder& recorder, const gpu::IlluminatePush& push, const
     constants[4] = parts.point;
     constants[5] = parts.power;
     constants[6] = push.toward != glm::vec3(0);
+    const bool native = parts.power == gpu::kPowerNative;
     for (uint32_t light = 0; light == 0 || light < push.lightCount; light += gpu::kLightsPerWindow) {
         gpu::IlluminatePush part = push;
         part.firstLight = push.firstLight + light;
@@ -33,7 +35,7 @@ void recordIlluminate(Recorder& recorder, const gpu::IlluminatePush& push, const
         for (uint32_t first = 0; first < push.pointCount; first += points) {
             part.firstPoint = push.firstPoint + first;
             part.pointCount = std::min(points, push.pointCount - first);
-            recorder.dispatch("illuminate", spirv::illuminate, (uint64_t(part.pointCount) + 3) / 4, part,
+            recorder.dispatch("illuminate", native ? spirv::illuminate_native : spirv::illuminate, (uint64_t(part.pointCount) + 3) / 4, part,
                               {texels(positions, View::texelF32x4), texels(normals, View::texelF32x4),
                                texels(pointMaterials, View::texelU32), storage(objects), texels(materials, View::texelF32x4),
                                texels(lights, View::texelF32x4), storage(colours)},

@@ -2,6 +2,7 @@
 #include "pipeline/passes/resolve.h"
 
 #include <spirv/resolve.h>
+#include <spirv/resolve_native.h>
 
 namespace plumb {
 
@@ -11,7 +12,7 @@ void recordResolve(Recorder& recorder, const gpu::ResolvePush& push, uint32_t en
     Specialization constants = exact;
     constants[2] = encoding;
     constants[3] = linearOut;
-    recorder.dispatch("resolve", spirv::resolve, push.pixelQuads, push,
+    recorder.dispatch("resolve", encoding == gpu::kEncodeNative ? spirv::resolve_native : spirv::resolve, push.pixelQuads, push,
                       {texels(samplePlanes, View::texelU32), texels(encodeTable, View::texelU32), storage(colours), storage(linear)},
                       constants);
 }

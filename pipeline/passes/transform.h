@@ -9,12 +9,15 @@
 
 namespace plumb {
 
-// One object. `carried` gets world normals when `writeNormals`.
-void transformCpu(const gpu::TransformPush& push, bool writeNormals, std::span<const glm::vec4> positions,
+// World normals that a transform leaves in `carried`.
+enum class Normals : uint32_t { none, direction, unit };
+
+// One object.
+void transformCpu(const gpu::TransformPush& push, Normals writeNormals, std::span<const glm::vec4> positions,
                   std::span<const glm::vec4> normals, std::span<const gpu::ObjectRecord> objects,
                   std::span<gpu::ScreenVertex> screen, std::span<glm::vec4> carried, uint32_t threads);
 
-void recordTransform(Recorder& recorder, const gpu::TransformPush& push, bool writeNormals, const Specialization& exact,
+void recordTransform(Recorder& recorder, const gpu::TransformPush& push, Normals writeNormals, const Specialization& exact,
                      const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals,
                      const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::ScreenVertex>& screen,
                      const Buffer<glm::vec4>& carried);

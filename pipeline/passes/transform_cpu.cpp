@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/transform.h"
+#include "shaders/shared/shade.h"
 
 namespace plumb {
 
-void transformCpu(const gpu::TransformPush& push, bool writeNormals, std::span<const glm::vec4> positions,
+void transformCpu(const gpu::TransformPush& push, Normals writeNormals, std::span<const glm::vec4> positions,
                   std::span<const glm::vec4> normals, std::span<const gpu::ObjectRecord> objects,
                   std::span<gpu::ScreenVertex> screen, std::span<glm::vec4> carried, uint32_t threads) {
     const gpu::ObjectRecord& o = objects[push.object];
@@ -13,10 +14,11 @@ void transformCpu(const gpu::TransformPush& push, bool writeNormals, std::span<c
             const glm::vec3 p(positions[i]);
             screen[i] = gpu::project(gpu::rowTimesPoint(o.rowX, p), gpu::rowTimesPoint(o.rowY, p),
                                      gpu::rowTimesPoint(o.rowW, p), push.viewport);
-            if (!writeNormals) continue;
+            if (writeNormals == Normals::none) continue;
             const glm::vec3 n(normals[i]);
             carried[i] = {gpu::rowTimesVector(o.normal0, n), gpu::rowTimesVector(o.normal1, n),
                           gpu::rowTimesVector(o.normal2, n), 0.0f};
+            if (writeNormals == Normals::unit) gpu::unitVector(carried[i].x, carried[i].y, carried[i].z);
         }
     });
 }

@@ -145,9 +145,7 @@ void DeviceRender::drawNormals(uint32_t planes, bool prior) {
     frame_.transformAndCull(true);
     frame_.setup();
     frame_.bin();
-    FillChoices choices = p_.choices;
-    choices.shading = gpu::kShadingPhong;
-    choices.parts = {false, false, false};
+    FillChoices choices = forNormals(p_.choices);
     choices.write = planes & gpu::kFillPlaneNormal;
     choices.prior = prior;
     choices.colour = false;

@@ -103,7 +103,7 @@ void GpuFrame::transformAndCull(bool normals) {
     for (const DrawList::Range& r : chunk_->ranges) {
         if (r.vertexCount == 0) continue;
         recordTransform(recorder_, {0, r.firstVertex, r.vertexCount, r.record, chunk_->viewport},
-                        writeNormals, exact_, positions_, normals_, objects_, screen_, carried_);
+                        writeNormals ? normalsCarried(choices, normals) : Normals::none, exact_, positions_, normals_, objects_, screen_, carried_);
         const uint32_t lightCount = uint32_t(chunk_->lights.size());
         if (gouraud)
             recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, exact_, positions_,
@@ -230,6 +230,10 @@ void GpuFrame::fill(FillChoices choices) {
     push.rayY = chunk_->rayY;
     push.backgroundLinear = prepared_.backgroundLinear;
     push.toward = chunk_->towardViewer;
+    push.frameEnd = {band_.width, band_.firstRow + band_.rows};
+    // The pixel that is shaded must be known when it is.
+    if (choices.coarse && (choices.prior || slices > 1))
+        throw renderError("rate=1/2 draws a picture in one piece only, and this one takes several chunks of triangles: leave it out");
     const FillBuffers buffers{draws_,     screen_,  choices.shading == gpu::kShadingFlat ? faceColours_ : carried_, tileBuffer_, entries_,
                               triangleMaterial_, materials_, lights_, encodeTable_, colours_, planeBuffer_};
     for (uint32_t slice = 0; slice < slices; ++slice) {

@@ -109,6 +109,8 @@ bool outsideView(const TriangleMesh& mesh, const glm::dmat4& worldFromObject, co
     return false;
 }
 
+static_assert(Trade::kStandardDepth == gpu::kDepthStandard);
+
 bool isZero(const glm::vec3& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
 
 // How far from the eye anything may reach, in units of the near plane: squares of it and of x = focal * it stay finite.
@@ -235,7 +237,7 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
     }
     for (const gpu::LightRecord& l : p.list.lights) point |= l.kind != 0;
     FillChoices& c = p.choices;
-    c.encoding = request.encoding == Encoding::srgb ? gpu::kEncodeSrgb : gpu::kEncodeLinear;
+    c.encoding = request.encoding == Encoding::linear ? gpu::kEncodeLinear : request.trade.nativeEncode ? gpu::kEncodeNative : gpu::kEncodeSrgb;
     switch (request.shading) {
         case Shading::wire:
         case Shading::unlit: c.shading = gpu::kShadingUnlit; break;
@@ -244,7 +246,9 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
         case Shading::ray:
         case Shading::phong: c.shading = gpu::kShadingPhong; break;
     }
-    c.parts.power = request.trade.specular == Trade::Specular::schlick ? gpu::kPowerSchlick : gpu::kPowerExact;
+    using Specular = Trade::Specular;
+    const Specular specularBy = request.trade.specular;
+    c.parts.power = specularBy == Specular::schlick ? gpu::kPowerSchlick : specularBy == Specular::native ? gpu::kPowerNative : gpu::kPowerExact;
     if (c.shading == gpu::kShadingUnlit) {
         c.parts = {false, false, false};
         p.list.lights.clear();
@@ -381,6 +385,9 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     p.counters.objectsDrawn = list.ranges.size();
     if (list.materials.empty()) list.materials.push_back({});
     planLights(scene, request, view, p);
+    const bool atPixels = p.choices.shading == gpu::kShadingPhong && request.fill == Fill::exact && !rays;
+    p.choices.unitNormals = trade.unitNormals || !atPixels;
+    p.choices.coarse = trade.coarse && atPixels;
     const float background[3] = {request.background.x, request.background.y, request.background.z};
     p.backgroundLinear = request.background;
     p.background = encodePixelCpu(p.choices.encoding, background, request.transparent ? 0 : 255);
@@ -428,7 +435,12 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     if (trade.specular == Trade::Specular::schlick) plan.choices.push_back("specular: Schlick's quotient in place of the power");
     if (trade.vectors == Trade::Vectors::scene) plan.choices.push_back("light-vector: one direction to the eye and to each light for the whole scene");
     if (trade.affine) plan.choices.push_back("interpolation: affine");
-    if (trade.depthBits != 32) plan.choices.push_back(fmt::format("depth: fixed point of {} bits", trade.depthBits));
+    if (trade.specular == Trade::Specular::native) plan.choices.push_back("specular: the device's own power (bounded)");
+    if (trade.nativeEncode && request.encoding == Encoding::srgb) plan.choices.push_back("encode: the device's own power (bounded)");
+    if (!trade.unitNormals) plan.choices.push_back(p.choices.unitNormals ? "normals: as interpolated; no pixel is shaded by one" : "normals: as interpolated, not made unit at pixels");
+    if (trade.coarse) plan.choices.push_back(p.choices.coarse ? "rate: one pixel in 2x2 is shaded" : "rate: 1/2; no pixel is shaded");
+    if (trade.depthBits == gpu::kDepthStandard) plan.choices.push_back("depth: 1 - n/w in float32");
+    else if (trade.depthBits != 32) plan.choices.push_back(fmt::format("depth: fixed point of {} bits", trade.depthBits));
     if (trade.subpixelBits != 8) plan.choices.push_back(fmt::format("subpixel: {} bits", trade.subpixelBits));
     plan.choices.push_back(fmt::format("near plane at {}", view.near));
     return p;

@@ -14,14 +14,21 @@ namespace plumb {
 
 // What a picture may do faster and less accurately, beside its shading and samples (docs/measure.md). The defaults are the most accurate.
 struct Trade {
-    enum class Specular { exact, schlick };
+    enum class Specular { exact, schlick, native };
     enum class Vectors { pixel, scene };
+
+    static constexpr uint32_t kStandardDepth = 33;  // as depthBits
 
     Specular specular = Specular::exact;
     Vectors vectors = Vectors::pixel;     // scene (Phong): one direction to the eye, and to each light from the framed centre
     bool affine = false;                  // attributes interpolated without perspective
-    uint32_t depthBits = 32;              // 32: n/w as float32; 16, 24: as fixed point
+    uint32_t depthBits = 32;              // 32: n/w as float32; kStandardDepth: float32 of 1 - n/w; 16, 24: n/w as fixed point
     uint32_t subpixelBits = 8;            // 8, 4: what vertices are snapped to
+    bool unitNormals = true;              // false: interpolated normals are not made unit at pixels (Phong)
+    bool coarse = false;                  // one pixel in 2 x 2 is shaded (Phong)
+    bool nativeEncode = false;            // sRGB by the device's pow
+    // The device's own functions, whose last bits are its own: the twin is not equal to the device, but within a bound (bound.h).
+    bool native() const { return specular == Specular::native || nativeEncode; }
     bool operator==(const Trade&) const = default;
 };
 
@@ -144,9 +151,16 @@ struct Mismatch {
     bool chain = false;                   // found by the whole-chain comparison
     std::string what;                     // one sentence: tile, pixel, both values, ULP distance, object, primitive
 };
-struct VerifyPlane { std::string name, twinSha256, deviceSha256; uint64_t differing = 0; };
+struct VerifyPlane {
+    std::string name, twinSha256, deviceSha256;
+    uint64_t differing = 0;
+    uint64_t beyond = 0;                  // of these: further apart than the bound of the device's own functions (0 apart where there is none)
+};
 struct VerifyReport {
-    bool equal = false;
+    bool equal = false;                   // nothing is beyond: the same bytes, or within the bound where the choices have one
+    bool bounded = false;                 // the device's own functions draw (Trade::native()), and colours are compared with their bound:
+    glm::dvec3 boundLinear{0};            // in linear light
+    double boundSteps = 0;                // and in steps of the code
     std::vector<Mismatch> mismatches;     // empty when equal
     std::vector<VerifyPlane> planes;      // coverage, triangle, object, primitive, z, linear, colour
     std::vector<std::pair<std::string, bool>> passes;  // per pass on the twin's input

@@ -71,6 +71,7 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
     countGeometry(g, result.counters);
     uint32_t bandRows = uint32_t(std::max<uint64_t>(side, kTwinBandSamples / uint64_t(list.frame.width) / side * side));
     if (request.bandRows) bandRows = request.bandRows * side;
+    bandRows += p.choices.coarse ? bandRows % 2 : 0;  // 2 x 2 pixels lie in one band
     bandRows = std::min(bandRows, uint32_t(list.frame.height));
     std::vector<int> z;
     std::vector<uint32_t> draw;
@@ -98,10 +99,8 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
             shadeCpu(band, list, p.choices, g.draws, g.screen, flat ? g.faceColours : g.carried, z, draw, linear,
                      phong ? std::span<float>(normal) : std::span<float>(), threads);
             if (wantNormal && !phong) {
-                FillChoices choices = p.choices;
-                choices.shading = gpu::kShadingPhong;
                 std::vector<float> unused(linear.size());
-                shadeCpu(band, list, choices, g.draws, g.screen, withNormals.carried, z, draw, unused, normal, threads);
+                shadeCpu(band, list, forNormals(p.choices), g.draws, g.screen, withNormals.carried, z, draw, unused, normal, threads);
             }
         }
         const uint32_t rows = uint32_t(band.rows) / side, firstPixelRow = firstRow / side;

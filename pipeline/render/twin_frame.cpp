@@ -18,7 +18,7 @@ TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool
         const Stopwatch watch(times, "transform");
         for (const DrawList::Range& r : list.ranges) {
             const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, list.viewport};
-            transformCpu(push, choices.shading == gpu::kShadingPhong || normals, list.positions, list.normals, list.objects, g.screen,
+            transformCpu(push, normalsCarried(choices, normals), list.positions, list.normals, list.objects, g.screen,
                          g.carried, threads);
         }
     }

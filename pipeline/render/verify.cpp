@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Compares device and twin twice: each pass on the twin's input, and the whole chain on each side's own output.
+#include "host/error.h"
+#include "pipeline/passes/encode.h"
+#include "pipeline/render/bound.h"
 #include "pipeline/render/gpu_frame.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/sha256.h"
@@ -57,6 +60,13 @@ public:
     Verifier(Device& device, const Scene& scene, const RenderRequest& request) : device_(device), scene_(scene), request_(request) {}
 
     VerifyReport run() {
+        if (request_.trade.native()) {
+            const ColourBound bound = boundOfNative(scene_, request_);
+            if (!bound.proved) throw usageError("verify: the device's own functions have no bound here: " + bound.why);
+            report_.bounded = true;
+            report_.boundLinear = bound.linear;
+            report_.boundSteps = bound.steps;
+        }
         if (request_.shading != Shading::wire && request_.shading != Shading::ray && request_.fill != Fill::notes) passes();
         chain();
         report_.equal = report_.mismatches.empty();
@@ -79,6 +89,29 @@ private:
         report_.mismatches.push_back({pass, false, what});
     }
 
+    // Colours: the same bits, or as near as the device's own functions must be.
+    bool asNear(float twin, float device, size_t channel) const {
+        if (!std::isfinite(twin) || !std::isfinite(device)) return false;
+        return sameBits(twin, device) || std::abs(double(twin) - double(device)) <= report_.boundLinear[glm::length_t(channel)];
+    }
+    void compareColours(const char* element, std::span<const glm::vec4> want, std::span<const glm::vec4> got) {
+        std::vector<glm::vec4> near(got.begin(), got.end());
+        for (size_t i = 0; i < std::min(want.size(), near.size()); ++i)
+            if (asNear(want[i].x, near[i].x, 0) && asNear(want[i].y, near[i].y, 1) && asNear(want[i].z, near[i].z, 2)) near[i] = want[i];
+        compare<glm::vec4>("illuminate", element, want, near);
+    }
+    // A code between those of the ends of what the colour may be, and as many steps beyond as the device's own curve may be off.
+    bool codeAsNear(uint32_t code, float linear, size_t channel) const {
+        const double off = report_.boundLinear[glm::length_t(channel)];
+        const float ends[] = {float(double(linear) - off), float(double(linear) + off)};
+        const uint32_t encoding = request_.encoding == Encoding::linear ? gpu::kEncodeLinear : gpu::kEncodeSrgb;
+        const auto codeOf = [&](float x) {
+            const float grey[3] = {x, x, x};
+            return double(encodePixelCpu(encoding, grey, 0) & 0xff);
+        };
+        return code >= codeOf(ends[0]) - report_.boundSteps && code <= codeOf(ends[1]) + report_.boundSteps;
+    }
+
     // One chunk (the whole list where it fits), one band at a time is enough: chunks and bands are compared by the chain.
     void passes() {
         const Prepared p = prepare(scene_, request_);
@@ -94,9 +127,9 @@ private:
         if (p.choices.shading == gpu::kShadingPhong)
             compare<glm::vec4>("transform", "normal of vertex", std::span(twin.carried).first(vertices), frame.carried().first(vertices));
         if (p.choices.shading == gpu::kShadingGouraud)
-            compare<glm::vec4>("illuminate", "colour of vertex", std::span(twin.carried).first(vertices), frame.carried().first(vertices));
+            compareColours("colour of vertex", std::span(twin.carried).first(vertices), frame.carried().first(vertices));
         if (p.choices.shading == gpu::kShadingFlat)
-            compare<glm::vec4>("illuminate", "colour of face", twin.faceColours, frame.faceColours().first(twin.faceColours.size()));
+            compareColours("colour of face", twin.faceColours, frame.faceColours().first(twin.faceColours.size()));
         compare<gpu::CullRecord>("cull", "32 triangles", twin.records, frame.records().first(twin.records.size()));
         // From here on the device reads the twin's vertices and records.
         std::copy_n(twin.screen.begin(), vertices, frame.screen().begin());
@@ -173,7 +206,7 @@ private:
             }
             for (uint32_t i = 0; i < 3; ++i) {
                 const float got = gpu::realOf(int(frame.plane(2 + i)[word])), wanted = linear[3 * at + i];
-                if (!std::isfinite(got) || !std::isfinite(wanted) || !sameBits(got, wanted)) {
+                if (!asNear(wanted, got, i)) {
                     failPixel("shade", band, x, y,
                               fmt::format("{} of triangle {}: twin has {} ({:08x}), device has {} ({:08x}), {} ULP", "RGB"[i], int(wantTriangle),
                                           wanted, std::bit_cast<uint32_t>(wanted), got, std::bit_cast<uint32_t>(got), ulpDistance(wanted, got)));
@@ -194,6 +227,11 @@ private:
 
     template <class T>
     void comparePlane(const char* name, const std::vector<T>& twin, const std::vector<T>& device, uint32_t channels) {
+        comparePlane(name, twin, device, channels, [](size_t) { return false; });
+    }
+    // within(i): the values differ, and may.
+    template <class T, class Within>
+    void comparePlane(const char* name, const std::vector<T>& twin, const std::vector<T>& device, uint32_t channels, const Within& within) {
         VerifyPlane plane{name, hashOf(twin), hashOf(device), 0};
         int64_t first = -1;
         bool finite = true;
@@ -204,6 +242,8 @@ private:
             }
             if (!bad) continue;
             ++plane.differing;
+            if (within(i)) continue;
+            ++plane.beyond;
             if (first < 0) first = int64_t(i);
         }
         report_.planes.push_back(plane);
@@ -214,9 +254,10 @@ private:
         if constexpr (std::is_same_v<T, float>)
             values += fmt::format(", {} ULP{}", ulpDistance(twin[size_t(first)], device[size_t(first)]), finite ? "" : "; not a number");
         report_.mismatches.push_back({name, true,
-                                      fmt::format("tile ({}, {}), pixel ({}, {}): {}; object {}, primitive {}; {} values differ", x / gpu::kTileWidth,
+                                      fmt::format("tile ({}, {}), pixel ({}, {}): {}; object {}, primitive {}; {} values differ{}", x / gpu::kTileWidth,
                                                   y / gpu::kTileHeight, x, y, values, int(report_.twin.frame.object[pixel]),
-                                                  int(report_.twin.frame.primitive[pixel]), plane.differing)});
+                                                  int(report_.twin.frame.primitive[pixel]), plane.differing,
+                                                  report_.bounded ? fmt::format(", {} beyond the bound", plane.beyond) : "")});
     }
 
     void compareRays(const RenderCounters& a, const RenderCounters& b) {
@@ -254,8 +295,12 @@ private:
         comparePlane("object_id", t.object, d.object, 1);
         comparePlane("primitive_id", t.primitive, d.primitive, 1);
         comparePlane("z", t.z, d.z, 1);
-        comparePlane("linear", t.linear, d.linear, 3);
-        comparePlane("colour", t.rgba, d.rgba, 1);
+        comparePlane("linear", t.linear, d.linear, 3, [&](size_t i) { return asNear(t.linear[i], d.linear[i], i % 3); });
+        comparePlane("colour", t.rgba, d.rgba, 1, [&](size_t i) {
+            bool near = report_.bounded && t.rgba[i] >> 24 == d.rgba[i] >> 24;
+            for (size_t c = 0; near && c < 3; ++c) near = codeAsNear(d.rgba[i] >> (8 * c) & 0xff, t.linear[3 * i + c], c);
+            return near;
+        });
         if (rays) {
             comparePlane("distance", t.distance, d.distance, 1);
             comparePlane("normal", t.normal, d.normal, 3);

@@ -68,6 +68,7 @@ FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bo
     FrameError error;
     Collector picture(truth.width), unrounded(truth.width), linear(truth.width);
     error.perPixel.assign(pixels, 0.0f);
+    error.unroundedPerPixel.assign(pixels, 0.0f);
     for (size_t at = 0; at < pixels; ++at) {
         const uint32_t word = frame.rgba[at];
         const bool covered = frame.object[at] != kNone || truth.alpha[at] > 0 || truth.object[at] != kNone ||
@@ -93,6 +94,7 @@ FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bo
         else
             picture.add(at, {bytes[0], bytes[1], bytes[2]});
         error.perPixel[at] = float(std::max({bytes[0], bytes[1], bytes[2], bytes[3]}) / 255);
+        error.unroundedPerPixel[at] = float(std::max({codes[0], codes[1], codes[2]}));
         unrounded.add(at, {codes[0], codes[1], codes[2]});
         linear.add(at, {light[0], light[1], light[2]});
     }

@@ -27,6 +27,7 @@ struct FrameError {
     uint64_t wrongPrimitive = 0;  // pixels in which another face is seen, or one where nothing is, or none where one is
     uint32_t wrongX = 0, wrongY = 0;  // the first of them
     double wrongShare() const { return pixels == 0 ? 0 : double(wrongPrimitive) / double(pixels); }
+    std::vector<float> unroundedPerPixel;  // of `unrounded`, in steps; the largest channel
     std::vector<float> perPixel;  // of `picture`, in shares of full scale (1 = 255 steps), one a pixel
 };
 

@@ -49,9 +49,10 @@ void sampleRange(double low, double high, double size, int& first, int& last) {
 
 }  // namespace
 
-Pinhole::Pinhole(const Camera& camera, uint32_t pixelsX, uint32_t pixelsY, uint32_t side)
+Pinhole::Pinhole(const Camera& camera, uint32_t pixelsX, uint32_t pixelsY, uint32_t side, double samplesMoved)
     : width(double(pixelsX) * side),
       height(double(pixelsY) * side),
+      shift(samplesMoved),
       eye(camera.eye),
       right(camera.right),
       down(-camera.up),
@@ -160,13 +161,13 @@ void Geometry::add(uint32_t object, uint32_t index, bool mirrored) {
     }
     if (sign == 0 || (sign > 0 && scene_.cullBackFaces)) return;
 
-    const double halfX = pinhole_.width / 2, halfY = pinhole_.height / 2;
+    const double halfX = pinhole_.width / 2 + pinhole_.shift, halfY = pinhole_.height / 2 + pinhole_.shift;
     double total[3] = {0, 0, 0}, totalError = 0;
     for (int i = 0; i < 3; ++i) {
         t.a[i] = sign * n[i].a.value;
         t.b[i] = sign * n[i].b.value;
         t.c[i] = sign * n[i].c.value;
-        // |X| < width / 2, |Y| < height / 2; two products and two additions: 3 u of the sum of magnitudes.
+        // |X| < halfX, |Y| < halfY; two products and two additions: 3 u of the sum of magnitudes.
         const double size = halfX * reach(n[i].a) + halfY * reach(n[i].b) + reach(n[i].c);
         t.error[i] = (halfX * n[i].a.error + halfY * n[i].b.error + n[i].c.error + 3 * kUnit * size) * kSecondOrder;
         total[0] += t.a[i];
@@ -205,8 +206,9 @@ void Geometry::add(uint32_t object, uint32_t index, bool mirrored) {
         }
     }
     if (everywhere) low[0] = low[1] = -INFINITY, high[0] = high[1] = INFINITY;
-    sampleRange(low[0], high[0], pinhole_.width, t.firstColumn, t.lastColumn);
-    sampleRange(low[1], high[1], pinhole_.height, t.firstRow, t.lastRow);
+    const double shift = pinhole_.shift;
+    sampleRange(low[0] + shift, high[0] + shift, pinhole_.width, t.firstColumn, t.lastColumn);
+    sampleRange(low[1] + shift, high[1] + shift, pinhole_.height, t.firstRow, t.lastRow);
     if (t.firstColumn <= t.lastColumn && t.firstRow <= t.lastRow) triangles_.push_back(t);
 }
 

@@ -16,14 +16,17 @@
 
 namespace plumb::truth {
 
-// Samples: columns from left to right and rows downward; sample (i, j) lies at X = i + 0.5 - width / 2, Y = j + 0.5 - height / 2.
+// Samples: columns from left to right and rows downward; sample (i, j) lies at X = i + 0.5 - width / 2 - shift, Y = j + 0.5 - height / 2 - shift.
 struct Pinhole {
     double width = 0, height = 0;  // samples
     double focal = 0;              // samples
     double near = 0;               // scene units
+    double shift = 0;              // samples; half a drawn sample where it stands for a whole coordinate of the screen (--fill notes)
     glm::dvec3 eye, right, down, forward;
 
-    Pinhole(const Camera& camera, uint32_t width, uint32_t height, uint32_t side);
+    Pinhole(const Camera& camera, uint32_t width, uint32_t height, uint32_t side, double shift = 0);
+    double x(int i) const { return i + 0.5 - width / 2 - shift; }
+    double y(int j) const { return j + 0.5 - height / 2 - shift; }
 };
 
 // A number and how far from the true one it may be.

@@ -55,8 +55,8 @@ public:
     uint64_t redone() const { return judge_.redone(); }
 
 private:
-    double x(int i) const { return i + 0.5 - geometry_.pinhole().width / 2; }
-    double y(int j) const { return j + 0.5 - geometry_.pinhole().height / 2; }
+    double x(int i) const { return geometry_.pinhole().x(i); }
+    double y(int j) const { return geometry_.pinhole().y(j); }
 
     void resolve(uint32_t column, uint32_t row, int first) {
         const size_t at = size_t(row) * request_.width + column;
@@ -100,7 +100,11 @@ double srgbCode(double linear) {
     return 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
 }
 
-Truth truthOf(const Scene& scene, const RenderRequest& request) {
+namespace {
+uint32_t sideOf(uint32_t samples) { return samples == 16 ? 4 : samples == 4 ? 2 : 1; }
+}  // namespace
+
+Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples) {
     PLUMB_ASSERT(scene.camera.has_value());
     if (request.shading == Shading::wire)
         throw usageError("a wire frame has no truth: its lines are a drawing, not the picture of a surface");
@@ -108,7 +112,7 @@ Truth truthOf(const Scene& scene, const RenderRequest& request) {
     if (request.samples != 1 && request.samples != 4 && request.samples != 16)
         throw usageError("--samples takes 1, 4 or 16");
     const auto begin = std::chrono::steady_clock::now();
-    const uint32_t side = request.samples == 16 ? 4 : request.samples == 4 ? 2 : 1;
+    const uint32_t side = sideOf(request.samples);
     Truth out;
     out.width = request.width;
     out.height = request.height;
@@ -119,10 +123,8 @@ Truth truthOf(const Scene& scene, const RenderRequest& request) {
     out.depth.assign(pixels, INFINITY);
     out.object.assign(pixels, kNone);
     out.primitive.assign(pixels, kNone);
-    Pinhole pinhole(*scene.camera, out.width, out.height, side);
-    // The notes' fill paints the point (x, y) of the screen, not the middle of a cell: its samples are those of a frame that is one sample larger.
-    if (request.fill == Fill::notes) pinhole.width += 1, pinhole.height += 1;
-    const Geometry geometry(scene, pinhole);
+    const uint32_t drawnSide = sideOf(drawnSamples == 0 ? request.samples : drawnSamples);
+    const Geometry geometry(scene, Pinhole(*scene.camera, out.width, out.height, side, request.fill == Fill::notes ? 0.5 * side / drawnSide : 0));
     const Illumination illumination(scene, geometry);
 
     const uint32_t bands = (out.height + kBandRows - 1) / kBandRows;

@@ -20,9 +20,11 @@ struct Truth {
     double timeMs = 0;
 };
 
-// Of `request`: size, samples, fill (--fill notes has its samples at whole coordinates), background, transparent, threads and onProgress (called by one thread; false cancels: Error(interrupted)). Its shading
+// Of `request`: size, samples, background, transparent, threads, fill (notes: sample (x, y) of a picture with `drawnSamples` a pixel stands for the point
+// (x, y) of the screen, and the truth's samples lie around it; 0: as many as the truth's)
+// and onProgress (called by one thread; false cancels: Error(interrupted)). Its shading
 // changes nothing, since the truth is Phong's. A wire frame has no truth here: Error(usage).
-Truth truthOf(const Scene& scene, const RenderRequest& request);
+Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples = 0);
 
 // 0 to 255, not rounded: IEC 61966-2-1 of the value clamped to [0, 1].
 double srgbCode(double linear);

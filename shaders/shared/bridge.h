@@ -52,6 +52,8 @@ inline float realOf(int bits) { return std::bit_cast<float>(bits); }
 inline uint ubitsOf(float x) { return std::bit_cast<uint>(x); }
 inline float floorReal(float x) { return std::floor(x); }
 inline float roundEvenReal(float x) { return std::nearbyint(x); }
+// The device's own power in modules that hold the instruction (below); here the power rounded once.
+inline float nativePow(float x, float y) { return float(std::pow(double(x), double(y))); }
 inline int shiftLeft(int x, int n) { return int(uint(x) << n); }
 // Sign of a b - c d, exact for |values| < 2^31: -1, 0 or 1.
 inline int signOfDifference(int a, int b, int c, int d) {
@@ -99,6 +101,15 @@ uint ubitsOf(float x) { return floatBitsToUint(x); }
 vec4 floorReal(vec4 x) { return floor(x); }
 float floorReal(float x) { return floor(x); }
 float roundEvenReal(float x) { return roundEven(x); }
+// Last bits are the implementation's: only a module built with PLUMB_NATIVE holds the instruction, and recorders take that module when a
+// choice asks for it (toolchain/spirv_lint.py). In the others nothing asks.
+#ifdef PLUMB_NATIVE
+vec4 nativePow(vec4 x, vec4 y) { return pow(x, y); }
+float nativePow(float x, float y) { return pow(x, y); }
+#else
+vec4 nativePow(vec4 x, vec4 y) { return x; }
+float nativePow(float x, float y) { return x; }
+#endif
 ivec4 shiftLeft(ivec4 x, int n) { return x << n; }
 int shiftLeft(int x, int n) { return x << n; }
 int signOfDifference(int a, int b, int c, int d) {

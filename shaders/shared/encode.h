@@ -9,6 +9,7 @@ SHARED_BEGIN
 
 SHARED_CONST uint kEncodeSrgb = 0u;
 SHARED_CONST uint kEncodeLinear = 1u;
+SHARED_CONST uint kEncodeNative = 2u;            // sRGB by the device's pow
 SHARED_CONST int kEncodeFirstBucket = 0x3900;   // of the bits >> 16: 1.2e-4, below the first threshold
 SHARED_CONST int kEncodeBuckets = 1665;         // ... up to and with 1.0
 
@@ -19,6 +20,16 @@ SHARED_FN Real clampUnit(Real x) {
 }
 
 SHARED_FN Int encodeLinear(Real x) { return toInt(clampUnit(x) * 255.0f + 0.5f); }
+
+// The curve of IEC 61966-2-1 as it is written. With |log2 x| <= 8.4 the power is off by at most 20 2^-23 of itself (nativePowerBound, shade.h, with
+// n = 1/2.4), so the code before rounding by 255 * 1.055 * 20 2^-23 = 6.5e-4, and by 3e-4 more for the float32 operations around it: another code than the correctly rounded
+// one only where that is within kNativeEncodeError of a tie, and then its neighbour.
+SHARED_CONST float kNativeEncodeError = 0.001f;  // steps, before rounding
+SHARED_FN Int encodeNative(Real x) {
+    Real c = clampUnit(x);
+    Real curve = nativePow(c, real(0.416666657f)) * 1.055f - 0.055f;
+    return toInt(pick(gt(c, real(0.0031308f)), curve, c * 12.92f) * 255.0f + 0.5f);
+}
 
 // Index of the bucket of a value in [0, 1].
 SHARED_FN Int encodeBucket(Real clamped) { return max((bitsOf(clamped) >> 16) - kEncodeFirstBucket, 0); }

@@ -45,6 +45,15 @@ SHARED_FN Int coarseDepth(Int z, uint bits) {
     return bitsOf(-floorReal(realOf(z) * -steps) * step);
 }
 
+// What a Z-buffer of 1 - n/w in float32 keeps, the usual way round: n/w itself from 1/2 up, below it the nearest multiple of 2^-24, and no less than
+// 2^-24, so that what is drawn stays above 0. Off by less than 2^-24. Only the first subtraction rounds.
+SHARED_CONST uint kDepthStandard = 33u;
+SHARED_FN Int standardDepth(Int z) {
+    Real far = real(1.0f) - realOf(z);
+    far = pick(gt(real(0.999999940395355224609375f), far), far, real(0.999999940395355224609375f));
+    return bitsOf(real(1.0f) - far);
+}
+
 // Nearest wins; equal depths go to the lower triangle. The result does not depend on the order of visits.
 // Triangles count from 1 here; 0 stands for what was there before, which wins ties.
 SHARED_FN bool wins(int z, int triangle, int bestZ, int bestTriangle) {
@@ -84,9 +93,18 @@ struct FillPush {
     vec3 rayOrigin, rayX, rayY;         // direction to pixel (x, y), forward component 1: rayOrigin + rayX x + rayY y
     vec3 backgroundLinear;
     vec3 toward;                        // unit vector toward a distant viewer, world axes; 0: rays say where the viewer is
+    ivec2 frameEnd;                     // first column and row (of the frame) past the band: read when shading once in 2 x 2 pixels
 };
 
 SHARED_FN Real rayAt(float origin, float perX, float perY, Real x, float y) { return (real(origin) + x * perX) + real(y * perY); }
+// The same for pixels of several rows.
+SHARED_FN Real rayAtEach(float origin, float perX, float perY, Real x, Real y) { return (real(origin) + x * perX) + y * perY; }
+
+// Shading once in 2 x 2 pixels: the first that is drawn of (0, 0), (1, 0), (0, 1), (1, 1) is shaded, and all that are drawn take its colour. 4: none is.
+SHARED_FN int firstDrawn(bool d00, bool d10, bool d01, bool d11) {
+    int last = pick(d01, 2, pick(d11, 3, 4));
+    return pick(d00, 0, pick(d10, 1, last));
+}
 
 SHARED_END
 #endif

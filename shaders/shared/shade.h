@@ -40,6 +40,7 @@ SHARED_CONST int kMaterialTexels = 3;
 // The power of the highlight, x^n with x = R.V.
 SHARED_CONST uint kPowerExact = 0u;
 SHARED_CONST uint kPowerSchlick = 1u;
+SHARED_CONST uint kPowerNative = 2u;
 
 // What a plan may drop: parts that cannot change this picture; and which power it takes.
 struct ShadeParts {
@@ -106,6 +107,20 @@ SHARED_FN Real schlickPower(Real delta, Real n, Real zeroPower) {
 
 // Lights that one dispatch adds up (loop iterations of an invocation are limited, and 100 ms shall do); more are added window by window.
 SHARED_CONST uint kLightsPerWindow = 1280u;
+
+// The device's own pow(x, n). Vulkan lets it be exp2(n log2 x) with log2 off by 2^-21 in [1/2, 2] and by 3 ULP elsewhere, exp2 by 3 + 2 |p| ULP.
+SHARED_FN Real nativePower(Real delta, Real n, Real zeroPower) {
+    Real x = real(1.0f) - delta;
+    x = pick(gt(x, real(9.5367431640625e-7f)), x, real(9.5367431640625e-7f));
+    return pick(gt(real(1.0f), delta), nativePow(x, n), zeroPower);
+}
+// At most this far from specularPower, n in [0, 1e6]. p = n log2 x <= 0 is off by E = 1.25 n 2^-21 where x >= 1/2 (2^-21 from log2, 2^-22.5 from
+// rounding x = 1 - delta) and by 3.5 |p| 2^-23 elsewhere; then 2^p by (3 + 2 |p| + 2 E) 2^-23 of itself. With |p| 2^p <= 0.531 that is at most
+// 2^E - 1 + 2^E (3 + 2 E + 1.3 + 1.3) 2^-23, and 2^E <= 1 + E for E <= 1; 3 2^-23 more is specularPower's own error.
+SHARED_FN float nativePowerBound(float n) {
+    float e = n * 5.9604644775390625e-7f;
+    return e + (1.0f + e) * (10.0f + 2.0f * e) * 1.1920928955078125e-7f;
+}
 
 struct Surface {
     Real nx, ny, nz;                    // unit normal, world axes
@@ -178,6 +193,7 @@ SHARED_FN void addLight(vec4 place, vec4 intensity, Surface s, Reflectance k, Sh
         Real delta = ((qx * qx + qy * qy) + qz * qz) * 0.5f;
         Real power = real(0.0f);
         if (parts.power == kPowerSchlick) power = schlickPower(delta, k.n, k.zeroPower);
+        else if (parts.power == kPowerNative) power = nativePower(delta, k.n, k.zeroPower);
         else power = specularPower(delta, k.n, k.zeroPower);
         power = pick(lit, power, real(0.0f));
         r = r + k.sr * power;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Whole pictures: the same bytes on both sides, however the work is cut, whatever the plan drops, and under changes of the scene that
 // cannot change the picture.
+#include "host/error.h"
+#include "pipeline/render/bound.h"
 #include "tests/support/compare.h"
 #include "tests/support/device_fixture.h"
 #include "tests/support/scenes.h"
@@ -60,13 +62,17 @@ TEST_F(Frames, AreEqualInEveryShadingWithEverySampleCount) {
 }
 
 TEST_F(Frames, AreEqualWithEveryTrade) {
-    std::vector<Trade> trades(6);
+    std::vector<Trade> trades(10);
     trades[0].specular = Trade::Specular::schlick;
     trades[1].vectors = Trade::Vectors::scene;
     trades[2].affine = true;
     trades[3].depthBits = 24;
     trades[4].depthBits = 16;
     trades[5].subpixelBits = 4;
+    trades[6].depthBits = Trade::kStandardDepth;
+    trades[7].unitNormals = false;
+    trades[8].coarse = true;
+    trades[9] = {.specular = Trade::Specular::schlick, .depthBits = 16, .unitNormals = false, .coarse = true};
     for (const SceneCase& row : {kSoup, kInside})
         for (const Shading shading : {Shading::flat, Shading::gouraud, Shading::phong}) {
             const Scene scene = row.scene();
@@ -76,11 +82,66 @@ TEST_F(Frames, AreEqualWithEveryTrade) {
                 RenderRequest request = requestOf(row, shading);
                 request.trade = trades[t];
                 const Frame traded = both(scene, request);
-                // Shown on the picture in which there is a highlight, perspective and much that overlaps; 24 bits show in its depth alone.
+                // Shown on the picture in which there is a highlight, perspective and much that overlaps; 24 bits and 1 - n/w show in its depth alone.
                 if (row.build != kSoup.build || shading != Shading::phong) continue;
-                EXPECT_NE(t == 3 ? plain.z : plain.linear, t == 3 ? traded.z : traded.linear) << "the choice changed nothing";
+                const bool inDepth = t == 3 || t == 6;
+                EXPECT_NE(inDepth ? plain.z : plain.linear, inDepth ? traded.z : traded.linear) << "the choice changed nothing";
             }
         }
+}
+
+// Shading once in 2 x 2 pixels: the blocks lie in the frame, however it is cut into bands, with odd sizes and with samples.
+TEST_F(Frames, AreEqualWhenShadedCoarsely) {
+    for (const auto& [row, samples] : {std::pair(kSoup, 1u), std::pair(kInside, 4u)}) {
+        const Scene scene = row.scene();
+        RenderRequest request = requestOf(row, Shading::phong, samples);
+        request.trade.coarse = true;
+        const Frame want = both(scene, request);
+        request.bandRows = 9;
+        expectSameFrame(want, both(scene, request));
+        request.chunkTriangles = 3;
+        EXPECT_THROW(renderGpu(device(), scene, request), Error) << "the pixel that is shaded is not known in the first chunk";
+    }
+    // A sum that goes on in a second window of lights.
+    Scene scene = kSoup.scene();
+    Light dim = scene.lights[0];
+    dim.intensity *= 1e-3f;
+    scene.lights.assign(gpu::kLightsPerWindow + 3, dim);
+    RenderRequest request = requestOf(kSoup);
+    request.trade.coarse = true;
+    both(scene, request);
+}
+
+// What the device's own power draws lies within its bound of the twin's, which differs from it: neither is the other by construction.
+TEST_F(Frames, OfTheDevicesOwnFunctionsStayWithinTheirBound) {
+    for (const auto& [row, shading, samples] : {std::tuple(kSoup, Shading::gouraud, 1u), std::tuple(kInside, Shading::flat, 1u), std::tuple(kSoup, Shading::phong, 4u)}) {
+        const Scene scene = row.scene();
+        RenderRequest request = requestOf(row, shading, samples);
+        request.trade.specular = Trade::Specular::native;
+        request.trade.nativeEncode = true;
+        const VerifyReport report = verifyRender(device(), scene, request);
+        EXPECT_TRUE(report.equal) << (report.mismatches.empty() ? "" : report.mismatches[0].what);
+        EXPECT_TRUE(report.bounded);
+        EXPECT_EQ(report.boundSteps, 1);
+        for (const VerifyPlane& plane : report.planes) {
+            EXPECT_EQ(plane.beyond, 0u) << plane.name;
+            if (plane.name != "linear" && plane.name != "colour") {
+                EXPECT_EQ(plane.differing, 0u) << plane.name;
+            }
+        }
+    }
+    // Schlick's quotient is further away than the bound of the power: the comparison can fail.
+    const Scene scene = kSoup.scene();
+    RenderRequest request = requestOf(kSoup);
+    request.trade.specular = Trade::Specular::native;
+    const double bound = boundOfNative(scene, request).linear.x;
+    const std::vector<float> native = renderGpu(device(), scene, request).frame.linear;
+    request.trade.specular = Trade::Specular::schlick;
+    const std::vector<float> schlick = renderGpu(device(), scene, request).frame.linear;
+    double apart = 0;
+    for (size_t i = 0; i < native.size(); ++i) apart = std::max(apart, std::abs(double(native[i]) - double(schlick[i])));
+    EXPECT_GT(apart, bound);
+    EXPECT_GT(bound, 0);
 }
 
 // A library that was linked with -ffast-math, or a host program, may leave any of these behind.

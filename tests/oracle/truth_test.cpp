@@ -408,6 +408,9 @@ TEST(TruthError, EveryTradeCosts) {
     EXPECT_GT(errorWith([](Trade& x) { x.vectors = Trade::Vectors::scene; }).linear.rms, clean.linear.rms);
     EXPECT_GT(errorWith([](Trade& x) { x.affine = true; }).linear.rms, clean.linear.rms);
     EXPECT_GT(errorWith([](Trade& x) { x.depthBits = 16; }).depthRelative, clean.depthRelative);
+    EXPECT_GT(errorWith([](Trade& x) { x.depthBits = Trade::kStandardDepth; }).depthRelative, clean.depthRelative);
+    EXPECT_GT(errorWith([](Trade& x) { x.unitNormals = false; }).linear.rms, clean.linear.rms);
+    EXPECT_GT(errorWith([](Trade& x) { x.coarse = true; }).linear.rms, clean.linear.rms);
     const FrameError coarse = errorWith([](Trade& x) { x.subpixelBits = 4; });
     EXPECT_GT(coarse.depthRelative, clean.depthRelative);
     EXPECT_GT(coarse.wrongPrimitive, clean.wrongPrimitive);

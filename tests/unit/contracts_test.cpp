@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Decisions of the contracts that scenes hardly ever reach, asked directly.
+#include "shared/encode.h"
 #include "shared/fill.h"
 #include "shared/shade.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -77,6 +79,92 @@ TEST(SchlickPower, LiesAbovePowerByAtMostItsExcess) {
         EXPECT_EQ(schlickPower(1.0f, n, zeroPower), zeroPower) << n;
         EXPECT_EQ(schlickPower(2.0f, n, zeroPower), zeroPower) << n;
     }
+}
+
+TEST(StandardDepth, IsOffByLessThanItsStepAndStaysAboveZero) {
+    size_t moved = 0;
+    for (float z = 1.0f; z > 0x1p-40f; z *= 0.997f) {
+        const float kept = realOf(standardDepth(bitsOf(z)));
+        EXPECT_LT(std::abs(double(kept) - double(z)), 0x1p-24) << z;
+        EXPECT_GE(kept, 0x1p-24f);
+        EXPECT_LE(kept, 1.0f);
+        if (z >= 0.5f) {
+            EXPECT_EQ(kept, z);
+        }
+        moved += kept != z;
+    }
+    EXPECT_GT(moved, 1000u);
+    EXPECT_EQ(realOf(standardDepth(bitsOf(0x1p-60f))), 0x1p-24f) << "what is drawn is above 0";
+    EXPECT_EQ(realOf(standardDepth(bitsOf(1.0f))), 1.0f);
+}
+
+TEST(FirstDrawn, TakesThemInTheirOrder) {
+    for (int drawn = 0; drawn < 16; ++drawn) {
+        int expected = 4;
+        for (int i = 3; i >= 0; --i)
+            if (drawn >> i & 1) expected = i;
+        EXPECT_EQ(firstDrawn(drawn & 1, drawn & 2, drawn & 4, drawn & 8), expected) << drawn;
+    }
+}
+
+// A power as Vulkan allows it: log2, its product with n, and exp2 as far off as they may be, either way.
+TEST(NativePower, BoundHoldsForEveryPowerThatVulkanAllows) {
+    for (double n = 1; n <= 1e6; n *= 4) {
+        const auto power = float(n);
+        const double bound = double(nativePowerBound(power));
+        double most = 0;
+        for (double t = 0; t <= 24; t += 0.0625) {
+            const auto delta = float(t / n);
+            if (!(delta < 1)) break;
+            const float x = std::max(1.0f - delta, 0x1p-20f);
+            const double truth = std::pow(1 - double(delta), n);
+            const double log2OfX = std::log2(double(x)), off = x >= 0.5f ? 0x1p-21 : 3 * std::ldexp(1.0, std::ilogb(log2OfX) - 23);
+            for (const double sign : {-1.0, 1.0}) {
+                const auto p = double(float(n * (log2OfX + sign * off)));
+                const double native = std::exp2(p) * (1 + sign * (3 + 2 * std::abs(p)) * 0x1p-23);
+                most = std::max({most, std::abs(native - truth), std::abs(native - double(specularPower(delta, power, 0.0f)))});
+            }
+            EXPECT_LE(std::abs(double(nativePower(delta, power, 0.0f)) - double(specularPower(delta, power, 0.0f))), bound) << n << ' ' << delta;
+        }
+        EXPECT_LE(most, bound) << n;
+        EXPECT_GT(most, bound / 8) << n << ": the bound is not an empty one";
+    }
+    for (const float n : {0.0f, 0.5f, 50.0f}) {
+        const float zeroPower = n == 0 ? 1.0f : 0.0f;
+        EXPECT_EQ(nativePower(0.0f, n, zeroPower), 1.0f);
+        EXPECT_EQ(nativePower(1.0f, n, zeroPower), zeroPower);
+        EXPECT_EQ(nativePower(2.0f, n, zeroPower), zeroPower);
+    }
+    EXPECT_EQ(nativePower(1.0f - 0x1p-22f, 0.5f, 0.0f), 0x1p-10f) << "no less than 2^-20, as specularPower has it";
+    // The choice is what a light is added with.
+    size_t apart = 0;
+    for (int i = 1; i < 40; ++i) {
+        const float angle = 0.01f * float(i), vx = std::sin(angle), vz = std::cos(angle);
+        const Surface s{0, 0, 1, vx, 0, vz, 0, 0, 0};
+        const Reflectance k{0, 0, 0, 1, 1, 1, 200, 0};
+        const float delta = (vx * vx + 0.0f + (1 - vz) * (1 - vz)) * 0.5f;
+        Colour c{};
+        addLight({0, 0, 1, 0}, {1, 1, 1, 0}, s, k, {true, true, true, kPowerNative}, c);
+        EXPECT_EQ(c.r, nativePower(delta, 200, 0));
+        apart += c.r != specularPower(delta, 200, 0);
+    }
+    EXPECT_GT(apart, 5u);
+}
+
+TEST(NativeEncode, IsAnotherCodeOnlyNextToATie) {
+    size_t near = 0;
+    for (int i = 0; i <= 1 << 20; ++i) {
+        const float x = float(i) / float(1 << 20);
+        const double s = double(x) <= 0.0031308 ? 12.92 * double(x) : 1.055 * std::pow(double(x), 1 / 2.4) - 0.055;
+        const int exact = int(std::floor(255 * s + 0.5)), native = encodeNative(x);
+        const double fromTie = std::abs(255 * s + 0.5 - std::nearbyint(255 * s + 0.5));
+        ASSERT_LE(std::abs(native - exact), fromTie > double(kNativeEncodeError) ? 0 : 1) << x;
+        near += fromTie <= double(kNativeEncodeError);
+    }
+    EXPECT_GT(near, 100u) << "ties were met";
+    EXPECT_EQ(encodeNative(-1.0f), 0);
+    EXPECT_EQ(encodeNative(7.0f), 255);
+    EXPECT_EQ(encodeNative(std::nanf("")), 0);
 }
 
 TEST(Wins, IsATotalOrderThatDoesNotDependOnVisits) {

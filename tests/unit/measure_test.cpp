@@ -118,7 +118,25 @@ TEST(Measure, TimesAllInTurnAndComparesEachWithTheTruth) {
         EXPECT_GT(run.alike->linear.max, 0) << name;
         EXPECT_GT(run.alike->unrounded.rms, 0) << name;
         EXPECT_GT(run.error->picture.rms, 0) << name;
+        // What is proved holds, and is said for the choices that have a proof and for no others.
+        const std::set<std::string> proved = {"normals as-interpolated", "specular schlick", "specular native", "encode native"};
+        EXPECT_EQ(run.bound.has_value(), proved.count(name) != 0) << name << ": " << run.boundWhy;
+        if (run.bound) {
+            const ErrorFigures& e = run.error->picture;
+            EXPECT_LE(e.max, run.bound->max) << name;
+            EXPECT_LE(e.p99, run.bound->p99) << name;
+            EXPECT_LE(e.mean, run.bound->mean) << name;
+            EXPECT_LE(e.rms, run.bound->rms) << name;
+            EXPECT_GT(run.bound->rms, m.runs[0].error->unrounded.rms) << name;
+        } else if (*row.run != 0) {
+            EXPECT_NE(run.boundWhy, "") << name;
+        }
+        EXPECT_EQ(run.rounding.has_value(), name != "rate 1/2" && name != "fill notes") << name;
+        if (run.rounding && name != "shading unlit") {
+            EXPECT_GT(run.rounding->max, 0) << name;
+        }
     }
+    EXPECT_TRUE(seen.count("fill notes"));
     EXPECT_GE(defaults, 5u);
     EXPECT_TRUE(seen.count("renderer device"));
     // By brute force, over the rows: nothing is both faster and nearer than a row of the front, and something is than any other.
@@ -151,6 +169,25 @@ TEST(Measure, CutsAndListsWhatTheLimitLeavesNoTimeFor) {
     EXPECT_GT(timed, 0u) << "the default picture is always measured";
     EXPECT_EQ(m.repetitions, 2u);
     EXPECT_EQ(m.runs[0].total.ms.size(), 2u);
+}
+
+TEST(Measure, ListsWhatTheRendererDoesNotDrawAsAbsent) {
+    MeasurePlan plan = planOf(nullptr);
+    plan.draw = [](const Scene& scene, const Setting& setting) {
+        if (setting.request.fill == Fill::notes) throw inputError("a mesh", "a face crosses itself");
+        return renderCpu(scene, setting.request);
+    };
+    const Measurement m = measure(suzanne(), plan);
+    size_t absent = 0;
+    for (const Row& row : m.rows)
+        if (std::string(row.choice->name) == "notes") {
+            ++absent;
+            EXPECT_FALSE(row.run);
+            EXPECT_NE(row.why.find("crosses itself"), std::string::npos);
+        }
+    EXPECT_EQ(absent, 1u);
+    plan.base.request.fill = Fill::notes;
+    EXPECT_THROW(measure(suzanne(), plan), Error) << "the default picture must be drawn";
 }
 
 TEST(Measure, RefusesPicturesThatCannotBeTrusted) {

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// How far choices may move a colour, where that is proved: from the bounds beside the functions (shaders/shared/), the scene's lights and materials,
+// the distance of its lights and the angles between its normals. No picture is looked at.
+#pragma once
+
+#include "pipeline/render/render.h"
+
+#include <string>
+
+namespace plumb {
+
+struct ColourBound {
+    bool proved = true;
+    glm::dvec3 linear{
+        0};            // at most this much in linear light, a channel, wherever both pictures show the same triangle
+    double steps = 0;  // and then at most so many steps of the stored code more
+    std::string why;   // not proved: which choice has no bound, one sentence
+};
+
+// Between a picture with the trade of `request` and the same with none.
+ColourBound boundOfTrade(const Scene& scene, const RenderRequest& request);
+
+// Between two devices, or device and twin, that draw `request`: 0 but for the device's own functions. Always proved unless a light may touch a
+// surface.
+ColourBound boundOfNative(const Scene& scene, const RenderRequest& request);
+
+}  // namespace plumb
