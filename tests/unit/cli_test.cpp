@@ -97,7 +97,7 @@ TEST(Options, AreRefusedWithAReason) {
         {"render a.obj -o a.png --gate max<=1", "--gate is not a flag of `plumb render`"},
         {"plan x", "'plan' is not in this version"},
         {"plan x", "not in this version"},
-        {"bench", "needs raster|matrix"},
+        {"bench", "needs raster|passes|matrix"},
         {"stress", "not in this version"},
         {"matrix", "needs STEP...|SCENE"},
         {"view x", "not in this version"},
