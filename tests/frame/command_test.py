@@ -379,7 +379,7 @@ class Bench(Command):
         for row in rows:
             self.assertEqual(row["ms"]["count"], 3)
             self.assertGreater(row["ms"]["least"], 0)
-            self.assertGreater(row["counters"]["drawn_triangles"], 100)
+            self.assertGreater(row["counters"]["drawnTriangles"], 100)
             self.assertIn("fill", row["passes_ms"])
 
     def test_matrix_measures_every_way_and_device_equals_twin(self):
