@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Small triangles: one invocation a drawn triangle, walking the tiles of its box. Large and wide ones: one invocation a
-// triangle and tile row, in 64 bits. The same module counts and, with kList, writes the lists.
+// Small triangles: one invocation a drawn triangle, walking the tiles of its box (with kListed only those that the set-up pass has
+// not counted). Large and wide ones: one invocation a triangle and tile row, in 64 bits. The same module counts and, with kList,
+// writes the lists, from their ends.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x = 64) in;
@@ -10,19 +11,20 @@ layout(local_size_x = 64) in;
 
 layout(constant_id = 2) const bool kLarge = false;
 layout(constant_id = 3) const bool kList = false;
+layout(constant_id = 4) const bool kListed = false;
 
 layout(push_constant, scalar) uniform Push { BinPush push; };
 layout(binding = 1) uniform usamplerBuffer draws;
 layout(binding = 2) uniform usamplerBuffer screen;
-layout(binding = 3) uniform usamplerBuffer large;                 // kLarge: indices into draws
-layout(binding = 4, scalar) buffer Tiles { uint tiles[]; };       // counts; with kList the next free entry of each tile
+layout(binding = 3) uniform usamplerBuffer large;                 // kLarge, kListed: indices into draws
+layout(binding = 4, scalar) buffer Tiles { uint tiles[]; };       // counts; with kList, from push.ends on, what is still free of each tile's list
 layout(binding = 5, scalar) writeonly buffer Entries { uint entries[]; };
 
 void main() {
     uint item = itemIndex();
     bool mine = item < push.itemCount;
     uint safe = min(item, push.itemCount - 1u);
-    uint index = kLarge ? texelFetch(large, int(safe / push.rowsPerLarge)).x : safe;
+    uint index = kLarge ? texelFetch(large, int(safe / push.rowsPerLarge)).x : kListed ? texelFetch(large, int(safe)).x : safe;
     uvec4 d = texelFetch(draws, int(index));
     ivec2 p0 = ivec2(texelFetch(screen, int(d.x)).xy);
     ivec2 p1 = ivec2(texelFetch(screen, int(d.y)).xy);
@@ -35,7 +37,7 @@ void main() {
     int y0 = (max(firstPixel(low.y), push.frame.firstRow) - push.frame.firstRow) / kTileHeight;
     int last = min(lastPixel(high.y), lastRow) - push.frame.firstRow;
     int y1 = last < 0 ? -1 : last / kTileHeight;
-    bool isLarge = tilesInBox(p0, p1, p2, push.frame) > kSmallTiles || d.x >= push.firstClippedVertex;
+    bool isLarge = tilesInBox(tileBox(p0, p1, p2, push.frame)) > kSmallTiles || d.x >= push.firstClippedVertex;
     ivec2 extent = high - low;
     bool wide = !isNarrow(extent.x, extent.y);
     bool empty = d.x == d.y || x1 < x0 || y1 < y0;
@@ -54,8 +56,8 @@ void main() {
             ivec3 most = e.q + max(e.a, 0) * (kTileWidth - 1) + max(e.b, 0) * (kTileHeight - 1);
             if (k < steps && (most.x | most.y | most.z) >= 0) {
                 uint tile = uint(row) * push.tilesX + uint(x);
-                uint place = atomicAdd(tiles[tile], 1u);
-                if (kList) entries[place] = index;
+                if (kList) entries[atomicAdd(tiles[push.ends + tile], 0xffffffffu) - 1u] = index;
+                else atomicAdd(tiles[tile], 1u);
             }
             x++;
             k++;
@@ -75,8 +77,9 @@ void main() {
         int k = 0;
         do {
             if (k < steps && (most.x | most.y | most.z) >= 0) {
-                uint place = atomicAdd(tiles[uint(y) * push.tilesX + uint(x)], 1u);
-                if (kList) entries[place] = index;
+                uint tile = uint(y) * push.tilesX + uint(x);
+                if (kList) entries[atomicAdd(tiles[push.ends + tile], 0xffffffffu) - 1u] = index;
+                else atomicAdd(tiles[tile], 1u);
             }
             bool wrap = x == x1;
             x = wrap ? x0 : x + 1;

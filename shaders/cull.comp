@@ -15,7 +15,7 @@ layout(binding = 3, scalar) writeonly buffer Records { CullRecord records[]; };
 void main() {
     uint item = itemIndex();
     uint first = item * kTrianglesPerLane;
-    CullRecord r = CullRecord(0u, 0u, 0u, 0u, 0u, 0u, 0u);
+    CullRecord r = CullRecord(0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
     uint k = 0u;
     do {
         uint t = first + k;
@@ -35,8 +35,12 @@ void main() {
         ivec2 extent = highest(p0, p1, p2) - lowest(p0, p1, p2);
         r.drawn |= drawn ? bit : 0u;
         r.clip |= cut ? bit : 0u;
-        r.large |= drawn && tilesInBox(p0, p1, p2, push.frame) > kSmallTiles ? bit : 0u;
-        r.wide |= drawn && !isNarrow(extent.x, extent.y) ? bit : 0u;
+        ivec4 box = tileBox(p0, p1, p2, push.frame);
+        bool large = tilesInBox(box) > kSmallTiles;
+        bool wide = !isNarrow(extent.x, extent.y);
+        r.large |= drawn && large ? bit : 0u;
+        r.wide |= drawn && wide ? bit : 0u;
+        r.medium |= drawn && !large && !wide && !inFourTiles(box) ? bit : 0u;
         r.backFacing |= whole && kind == kBackFacing ? bit : 0u;
         r.zeroArea |= whole && kind == kZeroArea ? bit : 0u;
         r.outside |= rejected || (whole && kind == kOutside) ? bit : 0u;

@@ -20,7 +20,7 @@ layout(constant_id = 3) const bool kDiffuse = true;
 layout(constant_id = 4) const bool kSpecular = true;
 layout(constant_id = 5) const bool kPointLights = true;
 layout(constant_id = 6) const bool kOneMaterial = false;
-layout(constant_id = 7) const bool kOneLight = false;
+layout(constant_id = 7) const uint kLightCount = 0u;      // 1 to kUnrolledLights: known, and unrolled; 0: as push.lightCount says
 layout(constant_id = 8) const uint kEncoding = 0u;
 layout(constant_id = 9) const uint kPlanes = 0u;          // kFillPlane bits that the plane buffer holds
 layout(constant_id = 10) const bool kPrior = false;       // planes hold what earlier chunks and slices drew
@@ -37,6 +37,8 @@ layout(constant_id = 17) const uint kDepthBits = 32u;     // 32: float; 33: floa
 layout(constant_id = 18) const bool kDistantViewer = false;
 layout(constant_id = 20) const bool kUnitNormals = true;  // false: as interpolated
 layout(constant_id = 21) const bool kCoarse = false;      // one shaded pixel in 2 x 2
+layout(constant_id = 25) const bool kOne = false;         // every list of the dispatch has one entry: no loops
+layout(constant_id = 24) const uint kLightKinds = 0u;     // with kLightCount: as lightKinds() of fill.h
 
 layout(push_constant, scalar) uniform Push { FillPush push; };
 layout(binding = 1) uniform usamplerBuffer draws;
@@ -129,6 +131,17 @@ DepthPlane depthOf(uvec4 v0, uvec4 v1, uvec4 v2, Edges e) {
                       float(e.rho.y) * 0.00390625, float(e.rho.z) * 0.00390625);
 }
 
+// One triangle set up by every invocation for its own pixels.
+void drawAlone(int draw, ivec2 centre) {
+    uvec4 d = texelFetch(draws, draw);
+    uvec4 v0 = texelFetch(screen, int(d.x));
+    uvec4 v1 = texelFetch(screen, int(d.y));
+    uvec4 v2 = texelFetch(screen, int(d.z));
+    Edges e;
+    edgesAt(centre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), e);
+    cover(e.q, e.a, e.b, e.hi, e.lo, depthOf(v0, v1, v2, e), draw + 1);
+}
+
 void main() {
     uint groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
@@ -161,6 +174,10 @@ void main() {
 
     int first = int(tile.y);
     int count = int(tile.z);
+    int alone = int(texelFetch(entries, first).x);
+    if (kOne) {
+        drawAlone(alone, centre);
+    } else {
 #ifdef PLUMB_SHUFFLE
     // Eight triangles at a time, set up one a lane; each lane then walks those that touch its own 4 x 4 pixels. A lane that has
     // none left repeats one: harmless, because a triangle drawn twice changes nothing.
@@ -222,18 +239,12 @@ void main() {
 #else
     int k = 0;
     do {
-        int draw = int(texelFetch(entries, first + min(k, count - 1)).x);
-        uvec4 d = texelFetch(draws, draw);
-        uvec4 v0 = texelFetch(screen, int(d.x));
-        uvec4 v1 = texelFetch(screen, int(d.y));
-        uvec4 v2 = texelFetch(screen, int(d.z));
-        Edges e;
-        edgesAt(centre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), e);
-        cover(e.q, e.a, e.b, e.hi, e.lo, depthOf(v0, v1, v2, e), draw + 1);
+        drawAlone(int(texelFetch(entries, first + min(k, count - 1)).x), centre);
         k++;
     } while (k < count);
     fault |= k < count ? kFaultLoop : 0u;
 #endif
+    }
 
     // What the visible triangles carry to the 16 pixels: one round for each distinct triangle, from the highest down.
     vec4 carriedX[4], carriedY[4], carriedZ[4], weight[4];
@@ -241,10 +252,11 @@ void main() {
     [[unroll]] for (int r = 0; r < 4; ++r) {
         carriedX[r] = carriedY[r] = carriedZ[r] = vec4(0.0);
         weight[r] = vec4(1.0);
-        source[r] = material[r] = ivec4(0);
+        source[r] = ivec4(0);
+        material[r] = ivec4(-1);
     }
     ivec4 highestId = max(max(id[0], id[1]), max(id[2], id[3]));
-    int current = max(max(highestId.x, highestId.y), max(highestId.z, highestId.w));
+    int current = kOne ? alone + 1 : max(max(highestId.x, highestId.y), max(highestId.z, highestId.w));
     int rounds = 0;
     do {
         uvec4 d = texelFetch(draws, max(current - 1, 0));
@@ -291,7 +303,38 @@ void main() {
         }
         current = max(max(below.x, below.y), max(below.z, below.w));
         rounds++;
-    } while (current != 0 && rounds < 17);
+    } while (!kOne && current != 0 && rounds < 17);
+
+    // What the materials are made of: one round for each distinct material, and most blocks have one.
+    Colour unlit[4];
+    Reflectance reflects[4];
+    [[unroll]] for (int r = 0; r < 4; ++r) {
+        unlit[r] = Colour(vec4(0.0), vec4(0.0), vec4(0.0));
+        reflects[r] = Reflectance(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    }
+    if (kShading == kShadingPhong || kShading == kShadingUnlit) {
+        ivec4 highest = max(max(material[0], material[1]), max(material[2], material[3]));
+        current = kOneMaterial ? 0 : max(max(highest.x, highest.y), max(highest.z, highest.w));
+        rounds = 0;
+        do {
+            int m = max(current, 0) * kMaterialTexels;
+            vec4 a = texelFetch(materials, m);
+            vec4 d = texelFetch(materials, m + 1);
+            vec4 s = texelFetch(materials, m + 2);
+            ivec4 below = ivec4(-1);
+            [[unroll]] for (int r = 0; r < 4; ++r) {
+                bvec4 here = kOneMaterial ? bvec4(true) : equal(material[r], ivec4(current));
+                unlit[r] = Colour(mix(unlit[r].r, vec4(a.x), here), mix(unlit[r].g, vec4(a.y), here), mix(unlit[r].b, vec4(a.z), here));
+                Reflectance k = reflects[r];
+                reflects[r] = Reflectance(mix(k.dr, vec4(d.x), here), mix(k.dg, vec4(d.y), here), mix(k.db, vec4(d.z), here),
+                                          mix(k.sr, vec4(s.x), here), mix(k.sg, vec4(s.y), here), mix(k.sb, vec4(s.z), here),
+                                          mix(k.n, vec4(a.w), here), mix(k.zeroPower, vec4(d.w), here));
+                below = max(below, mix(ivec4(-1), material[r], lessThan(material[r], ivec4(current))));
+            }
+            current = max(max(below.x, below.y), max(below.z, below.w));
+            rounds++;
+        } while (!kOneMaterial && !kOne && current >= 0 && rounds < 17);
+    }
 
     // Of each 2 x 2 pixels the first that is drawn, in lanes: the four are shaded in place of the first row.
     vec4 coarseX, coarseY, coarseNx, coarseNy, coarseNz, coarseWeight;
@@ -321,8 +364,15 @@ void main() {
     }
 
     ShadeParts parts = ShadeParts(kDiffuse, kSpecular, kPointLights, kPower);
-    int lightCount = kOneLight ? 1 : int(push.lightCount);
+    int lightCount = int(push.lightCount);
     int firstLight = int(push.firstLight);
+    vec4 places[kUnrolledLights], intensities[kUnrolledLights];
+    [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) {
+        if (i < kLightCount) {
+            places[i] = vec4(texelFetch(lights, int(i) * kLightTexels).xyz, lightIsAPlace(kLightKinds, i));
+            intensities[i] = vec4(texelFetch(lights, int(i) * kLightTexels + 1).xyz, lightAttenuation(kLightKinds, i));
+        }
+    }
     [[unroll]] for (int r = 0; r < 4; ++r) {
         Real x = vec4(float(pixel.x) + 0.5) + vec4(0.0, 1.0, 2.0, 3.0);
         float y = float(pixel.y + r) + 0.5;
@@ -332,7 +382,6 @@ void main() {
         vec4 nz = carriedZ[r];
         vec4 share = weight[r];
         ivec4 depth = z[r];
-        ivec4 surfaceOf = material[r];
         if (kCoarse && r == 0) {
             x = coarseX;
             nx = coarseNx;
@@ -340,7 +389,6 @@ void main() {
             nz = coarseNz;
             share = coarseWeight;
             depth = coarseZ;
-            surfaceOf = coarseMaterial;
         }
         if (kCoarse && r > 0) {
             c = coarseColour;
@@ -350,28 +398,26 @@ void main() {
         } else if (kShading == kShadingFlat) {
             c = Colour(nx, ny, nz);
         } else {
-            mat4 a, d, s;
-            if (kOneMaterial) {
-                vec4 m = texelFetch(materials, 0);
-                a = mat4(m, m, m, m);
-                m = texelFetch(materials, 1);
-                d = mat4(m, m, m, m);
-                m = texelFetch(materials, 2);
-                s = mat4(m, m, m, m);
-            } else {
+            Colour base = unlit[r];
+            Reflectance k = reflects[r];
+            if (kCoarse) {  // pixels of four squares, each of a material of its own
+                mat4 a, d, s;
                 [[unroll]] for (int i = 0; i < 4; ++i) {
-                    a[i] = texelFetch(materials, surfaceOf[i] * kMaterialTexels);
-                    d[i] = texelFetch(materials, surfaceOf[i] * kMaterialTexels + 1);
-                    s[i] = texelFetch(materials, surfaceOf[i] * kMaterialTexels + 2);
+                    int m = kOneMaterial ? 0 : coarseMaterial[i] * kMaterialTexels;
+                    a[i] = texelFetch(materials, m);
+                    d[i] = texelFetch(materials, m + 1);
+                    s[i] = texelFetch(materials, m + 2);
                 }
+                a = transpose(a);
+                d = transpose(d);
+                s = transpose(s);
+                base = Colour(a[0], a[1], a[2]);
+                k = Reflectance(d[0], d[1], d[2], s[0], s[1], s[2], a[3], d[3]);
             }
-            a = transpose(a);
-            d = transpose(d);
-            s = transpose(s);
             if (kShading == kShadingUnlit) {
-                c = Colour(d[0], d[1], d[2]);
+                c = Colour(k.dr, k.dg, k.db);
             } else {
-                c = Colour(a[0], a[1], a[2]);
+                c = base;
                 if ((kPlanes & kFillPlaneSum) != 0u && push.firstLight != 0u) {
                     uint sum = at + uint(r) * push.rowQuads + kSlotSum * push.planeQuads;
                     c.r = uintBitsToFloat(planes[sum]);
@@ -412,20 +458,19 @@ void main() {
                     surface.py = ry * w;
                     surface.pz = rz * w;
                 }
-                Reflectance k = Reflectance(d[0], d[1], d[2], s[0], s[1], s[2], a[3], d[3]);
-                int light = 0;
-                if (kOneLight) {
-                    addLight(texelFetch(lights, 0), texelFetch(lights, 1), surface, k, parts, c);
-                    light = 1;
+                if (kLightCount != 0u) {
+                    [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i)
+                        if (i < kLightCount) addLight(places[i], intensities[i], surface, k, parts, c);
                 } else {
+                    int light = 0;
                     do {
                         if (light < lightCount)
                             addLight(texelFetch(lights, (firstLight + light) * kLightTexels),
                                      texelFetch(lights, (firstLight + light) * kLightTexels + 1), surface, k, parts, c);
                         light++;
                     } while (light < lightCount);
+                    fault |= light < lightCount ? kFaultLoop : 0u;
                 }
-                fault |= light < lightCount ? kFaultLoop : 0u;
             }
         }
         if (kCoarse) {

@@ -4,11 +4,13 @@
 
 A goal is a ratio. `reached`: the median is at least the goal; `near`: at least nine tenths of it; `short`: less.
 
-usage: bench_table.py [--write] RASTER.json MATRIX.json TRACE.json PROCESS.json
+usage: bench_table.py [--write] [--small] FOLDER     raster.json, matrix.json, trace.json, growth.json, start.json and process.json of toolchain/bench.sh
+                                                     --small: sizes of a test, which reach no row of the goals
 """
 import csv
 import json
 import os
+import subprocess
 import sys
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
@@ -85,7 +87,7 @@ def context(report):
 
 def check_goals(reports, goals):
     """A goal whose row is in neither report is a slip of the pen."""
-    raster, matrix, trace, _ = reports
+    raster, matrix, trace = reports[:3]
     there = {("raster", row["name"]) for row in raster["rows"]}
     there |= {("matrix", f"{t['work']} {t['count']} {w['name']}".replace(",", "")) for t in matrix["tables"] for w in t["ways"]}
     there |= {("trace", row["name"]) for row in trace["rows"]}
@@ -96,24 +98,63 @@ def check_goals(reports, goals):
         sys.exit("bench_table.py: docs/goals.csv names rows that were not measured: " + "; ".join(" ".join(m) for m in missing))
 
 
+def growth_rows(report):
+    yield ["axis", "threads", "work", "ms", "peak MiB", "of it device", "slope from the one before"]
+    for curve in report["curves"]:
+        slopes = {s["to"]: s["slope"] for s in curve["slopes"]}
+        for p in curve["points"]:
+            slope = slopes.get(p["work"])
+            steep = "" if slope is None else f"{slope:.2f} " + ("reached" if slope <= report["slope_goal"] else "short")
+            yield [curve["axis"], str(curve["threads"]), f"{p['work']:.0f}", spread(p["ms"]) + ("" if p["resident"] else " (bands or chunks)"),
+                   f"{p['peak_bytes'] / 2**20:.0f}", f"{p['device_peak_bytes'] / 2**20:.0f}", steep]
+
+
+def start_rows(report):
+    yield ["program", "settings", "seconds", "peak MiB", "goal", "verdict"]
+    rows = {r["name"]: r for r in report["rows"]}
+    warm = rows["plumb warm"]
+    others = [r for r in report["rows"] if r["name"] not in ("empty", "plumb cold", "plumb warm")]
+    for r in report["rows"]:
+        goal = word = ""
+        if r is warm:
+            limit = 3 * rows["empty"]["seconds"]["median"]
+            goal = f"{limit:.3f} s, 110 MiB"
+            word = "reached" if r["seconds"]["median"] <= limit and r["peak_bytes"] <= 110 * 2**20 else "short"
+        yield [r["name"], r["settings"], spread(r["seconds"], 3), f"{r['peak_bytes'] / 2**20:.0f}", goal, word]
+    if others:
+        fastest = min(others, key=lambda r: r["seconds"]["median"])
+        ratio = fastest["seconds"]["median"] / warm["seconds"]["median"]
+        yield [f"{fastest['name']} / plumb warm", "the fastest of the others", f"{ratio:.2f}", "", "3", "reached" if ratio >= 3 else "short"]
+    for line in report["absent"]:
+        yield ["absent", line, "", "", "", ""]
+
+
+def parts_rows(report):
+    yield ["part, ms"] + list(report["parts_ms"]["warm"])
+    for name, parts in report["parts_ms"].items():
+        yield [name] + [f"{parts[k]:.1f}" for k in report["parts_ms"]["warm"]]
+
+
 def main():
-    arguments = [a for a in sys.argv[1:] if a != "--write"]
-    if len(arguments) != 4:
+    arguments = [a for a in sys.argv[1:] if not a.startswith("--")]
+    if len(arguments) != 1:
         sys.exit(__doc__.strip())
     reports = []
-    for path in arguments:
-        with open(path, encoding="utf-8") as f:
+    for name in ("raster", "matrix", "trace", "growth", "start") + (() if "--small" in sys.argv[1:] else ("process",)):
+        with open(os.path.join(arguments[0], name + ".json"), encoding="utf-8") as f:
             reports.append(json.load(f))
     goals = goals_of(os.path.join(ROOT, "docs", "goals.csv"))
-    check_goals(reports, goals)
-    raster, matrix, trace, process = reports
+    small = "--small" in sys.argv[1:]
+    if not small:
+        check_goals(reports, goals)
+    raster, matrix, trace, growth, start = reports[:5]
+    process = None if small else reports[5]
     print(context(raster))
-    print(aligned(raster_rows(raster, goals)))
-    print(aligned(matrix_rows(matrix, goals)))
-    print(aligned(trace_rows(trace, goals)))
+    tables = [raster_rows(raster, goals), matrix_rows(matrix, goals), trace_rows(trace, goals), growth_rows(growth), start_rows(start), parts_rows(start)]
+    for rows in tables + ([] if small else [process_rows(process)]):
+        print(aligned(rows))
     for line in trace["absent"]:
         print("absent:", line)
-    print(aligned(process_rows(process)))
     if "--write" not in sys.argv[1:]:
         return
     size = raster["rows"][0]["size"]
@@ -144,7 +185,24 @@ same rays. {trace["rows"][0]["pairs"]} interleaved pairs. Ratio above 1: ours is
 {markdown(trace_rows(trace, goals))}
 Whole processes, interleaved: the scene of the notes' C program at 1200x1200 from file to PNG.
 
-{markdown(process_rows(process))}"""
+{markdown(process_rows(process))}
+## How cost grows
+
+![Time of a picture over triangles, pixels and lights, on one and two threads](images/growth.svg)
+
+The passes alone, the scene resident, medians. Triangles: spheres at 1920x1080; pixels: a sphere of 10^5 triangles; lights: the same sphere under directional and
+point lights in turn. The slope is that of log time over log work above the fixed cost, where a picture takes at least twice that; goal: at most {growth['slope_goal']}. Each point is a process of its own;
+its peak memory includes the scene's making.
+
+{markdown(growth_rows(growth))}
+## From exec to a written PNG
+
+Suzanne, 3936 triangles, three lights, 640x480; a new process each time. The others draw the same mesh from the same place, with their own shading.
+
+{markdown(start_rows(start))}
+{markdown(parts_rows(start))}"""
+    subprocess.run([sys.executable, os.path.join(ROOT, "toolchain", "bench_growth.py"), "--svg", os.path.join(arguments[0], "growth.json"),
+                    os.path.join(ROOT, "docs", "images", "growth.svg")], check=True)
     out = os.path.join(ROOT, "docs", "performance.md")
     with open(out + ".part", "w", encoding="utf-8") as f:
         f.write(text)

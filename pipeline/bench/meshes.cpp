@@ -11,6 +11,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kFovY = 0.9;           // radians
 constexpr uint32_t kLayers = 20;
+constexpr uint32_t kMostLights = 64;
 
 struct Maker {
     TriangleMesh mesh;
@@ -127,12 +128,30 @@ Scene sceneOf(TriangleMesh mesh, double distance, const std::string& name) {
     return scene;
 }
 
-// The number behind `prefix`, such as 1e5; 0 when there is none in range.
-double sizeBehind(const std::string& name, const std::string& prefix) {
+// A sphere of 10^5 triangles under `count` lights from all around, directional and points in turn, no brighter than one light.
+Scene lit(uint32_t count, const std::string& name) {
+    Scene scene = sceneOf(sphere(uint32_t(std::lround(std::sqrt(1e5) / 2)), 0), 2.6, name);
+    scene.lights.clear();
+    for (uint32_t i = 0; i < count; ++i) {
+        const double a = i * 2 * kPi / count;
+        Light light;
+        light.directional = i % 2 == 0;
+        light.direction = light.position = glm::dvec3(3 * std::cos(a), 3 * std::sin(a), 2);
+        light.intensity = glm::vec3(float(1.0 / count));
+        scene.lights.push_back(light);
+    }
+    return scene;
+}
+
+// The number behind `prefix`, such as 1e5; 0 when there is none.
+double numberBehind(const std::string& name, const std::string& prefix) {
     if (!name.starts_with(prefix)) return 0;
-    double size = 0;
+    double number = 0;
     const char* end = name.data() + name.size();
-    if (std::from_chars(name.data() + prefix.size(), end, size).ptr != end) return 0;
+    return std::from_chars(name.data() + prefix.size(), end, number).ptr == end ? number : 0;
+}
+double sizeBehind(const std::string& name, const std::string& prefix) {
+    const double size = numberBehind(name, prefix);
     return size >= 1e3 && size <= 1e7 ? size : 0;
 }
 
@@ -146,6 +165,7 @@ std::optional<Scene> benchScene(const std::string& name, double aspect) {
     if (const double size = sizeBehind(name, "sphere"); size > 0) return sceneOf(sphere(uint32_t(std::lround(std::sqrt(size) / 2)), 0), 2.6, name);
     if (const double size = sizeBehind(name, "displaced"); size > 0) return sceneOf(sphere(uint32_t(std::lround(std::sqrt(size) / 2)), 0.15), 2.6, name);
     if (const double size = sizeBehind(name, "knot"); size > 0) return sceneOf(knot(uint32_t(std::lround(std::sqrt(size) / 4))), 2.2, name);
+    if (const double count = numberBehind(name, "lights"); count >= 1 && count <= kMostLights && count == std::floor(count)) return lit(uint32_t(count), name);
     if (name == "full-screen") return sceneOf(layers(1, true, aspect), 3, name);
     if (name == "layers-b2f") return sceneOf(layers(kLayers, true, aspect), 3, name);
     if (name == "layers-f2b") return sceneOf(layers(kLayers, false, aspect), 3, name);

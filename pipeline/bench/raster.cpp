@@ -105,6 +105,16 @@ double msOf(const std::function<void()>& work) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
+RenderRequest requestOf(const RasterOptions& options) {
+    RenderRequest request;
+    request.width = options.width;
+    request.height = options.height;
+    request.shading = Shading::phong;
+    request.encoding = Encoding::linear;   // an R8G8B8A8_UNORM attachment encodes linearly
+    request.watchdogMs = options.watchdogMs;
+    return request;
+}
+
 // Medians of a few pictures drawn apart from the pairs: each pass waits for the one before, which costs time of its own.
 std::vector<PassTime> medianPasses(ResidentScene& scene) {
     constexpr uint32_t kPictures = 9;
@@ -122,13 +132,29 @@ std::vector<PassTime> medianPasses(ResidentScene& scene) {
 
 }  // namespace
 
+PassesRow benchPasses(Device& device, const Scene& scene, const std::string& name, const RasterOptions& options) {
+    ResidentScene compute(device, scene, requestOf(options));
+    PassesRow row;
+    row.name = name;
+    row.width = options.width;
+    row.height = options.height;
+    for (uint32_t i = 0; i < kWarmFrames; ++i) compute.draw();
+    std::vector<double> ms;
+    for (uint32_t i = 0; i < options.pairs; ++i) {
+        if (options.onProgress) options.onProgress(double(i) / options.pairs);
+        ms.push_back(msOf([&] { compute.draw(); }));
+    }
+    row.ms = spreadOf(ms);
+    row.resident = compute.resident();
+    row.counters = compute.counters();
+    row.triangles = row.counters.triangles;
+    row.lights = scene.lights.size();
+    row.passes = medianPasses(compute);
+    return row;
+}
+
 RasterRow benchRaster(Device& device, const Scene& scene, const std::string& name, const RasterOptions& options) {
-    RenderRequest request;
-    request.width = options.width;
-    request.height = options.height;
-    request.shading = Shading::phong;
-    request.encoding = Encoding::linear;   // an R8G8B8A8_UNORM attachment encodes linearly
-    request.watchdogMs = options.watchdogMs;
+    const RenderRequest request = requestOf(options);
     const Prepared prepared = prepare(scene, request);
     if (prepared.list.lights.size() > kMostLights)
         throw inputError(scene.path, fmt::format("{} lights; the graphics pipeline of the benchmark takes at most {}", prepared.list.lights.size(), kMostLights));

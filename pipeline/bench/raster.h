@@ -52,4 +52,16 @@ struct RasterOptions {
 // the baseline cannot draw (more than 4 lights).
 RasterRow benchRaster(Device& device, const Scene& scene, const std::string& name, const RasterOptions& options);
 
+// The passes alone, for how their cost grows: pictures of one scene, one after another, `pairs` of them. Any number of lights.
+struct PassesRow {
+    std::string name;
+    uint64_t triangles = 0, lights = 0;
+    uint32_t width = 0, height = 0;
+    bool resident = false;
+    Spread ms;
+    RenderCounters counters;
+    std::vector<PassTime> passes;
+};
+PassesRow benchPasses(Device& device, const Scene& scene, const std::string& name, const RasterOptions& options);
+
 }  // namespace plumb

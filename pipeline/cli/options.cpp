@@ -410,10 +410,11 @@ const std::vector<CommandRow> kCommands = {
      {{{"plumb matrix rotate=90:from=3,3,5:to=6,6.4641,7 --point 4,3,5", "the seven matrices of a rotation about a line, and where a point goes"},
        {"plumb matrix --dimensions 2 rotate=90:about=3,2 --notation row", "an in-place rotation of the plane, as matrices for row vectors"},
        {"plumb matrix scene.toml --object mug --json", "the chain of one object for programs"}}}},
-    {kBench, "bench", "raster|matrix|claims|trace [ROW...]", "measure speed against other ways to the same result",
+    {kBench, "bench", "raster|passes|matrix|claims|trace [ROW...]", "measure speed against other ways to the same result",
      "raster: the passes against the device's own graphics pipeline, per-pixel Phong of the same scene, interleaved, warm, both with the picture in memory of the host. "
      "ROW is sphereN, knotN, displacedN (N triangles, e.g. sphere1e5), full-screen, layers-b2f, layers-f2b, a scene or a mesh; all generated ones without a ROW. "
      "Coverage of the two pictures is compared: exit 1 when a pixel differs further than 1/256 pixel from an edge. "
+     "passes: the passes alone, also with lightsN (1 to 64 lights), for how their cost grows. "
      "matrix: vertices by one matrix and by seven, and products of chains, on the device, by the twin and by the libraries that were found, beside the bandwidth of the memory. "
      "ROW is a count, e.g. 1e6; 1e3 to 1e7 without a ROW. "
      "claims: P6 to P9 of the lecture notes (what filling, projecting, culling and shading cost), counted and timed; ROW is sphereN, sphere1e4 without; exit 1 when a count disagrees. "

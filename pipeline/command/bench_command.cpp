@@ -20,6 +20,12 @@
 namespace plumb {
 namespace {
 
+Json passesJson(const std::vector<PassTime>& times) {
+    Json json = Json::object();
+    for (const PassTime& p : times) json[p.pass] = p.ms;
+    return json;
+}
+
 Json jsonOf(const RasterRow& row) {
     Json json;
     json["name"] = row.name;
@@ -31,18 +37,26 @@ Json jsonOf(const RasterRow& row) {
     json["compute_ms"] = spreadJson(row.computeMs);
     json["ratio"] = spreadJson(row.ratio);
     json["ratio_of_least"] = row.ratioOfLeast;
-    Json& passes = json["passes_ms"] = Json::object();
+    json["passes_ms"] = passesJson(row.passes);
     uint32_t dispatches = 0;
-    for (const PassTime& p : row.passes) {
-        passes[p.pass] = p.ms;
-        dispatches += p.dispatches;
-    }
+    for (const PassTime& p : row.passes) dispatches += p.dispatches;
     json["dispatches"] = dispatches;
     json["counters"] = countersJson(row.counters);
     const Agreement& a = row.agreement;
     json["agreement"] = {{"covered", a.covered},         {"coverage_differs", a.coverageDiffers}, {"unexplained", a.unexplained}, {"furthest_pixels", a.furthestPixels},
                          {"allowed_pixels", kSnapPixels}, {"colour_most", a.colourMost},          {"colour_over_4", a.colourOver4}, {"failure", a.failure}};
     return json;
+}
+
+Json jsonOf(const PassesRow& row) {
+    return {{"name", row.name},         {"triangles", row.triangles}, {"lights", row.lights},
+            {"size", {row.width, row.height}}, {"pictures", row.ms.count},   {"resident", row.resident},
+            {"ms", spreadJson(row.ms)},  {"passes_ms", passesJson(row.passes)}, {"counters", countersJson(row.counters)}};
+}
+
+std::string textOf(const PassesRow& row) {
+    return fmt::format("{:<14} {:>9} {:>6} {:>9.2f} [{:.2f}..{:.2f}]{}\n", printable(row.name), row.triangles, row.lights, row.ms.median, row.ms.p10, row.ms.p90,
+                       row.resident ? "" : "   in several bands or chunks: it uploads within its time");
 }
 
 std::string textOf(const RasterRow& row) {
@@ -88,7 +102,8 @@ std::string textOf(const MatrixTable& table) {
 Scene sceneOf(const std::string& row, glm::uvec2 size, const Options& options) {
     if (std::optional<Scene> made = benchScene(row, double(size.x) / size.y)) return std::move(*made);
     if (row.find('.') == row.npos)
-        throw usageError(fmt::format("bench raster: '{}' is no row; accepted: sphereN, knotN, displacedN (N from 1e3 to 1e7), full-screen, layers-b2f, layers-f2b, a scene or a mesh", printable(row)));
+        throw usageError(fmt::format("bench: '{}' is no row; accepted: sphereN, knotN, displacedN (N from 1e3 to 1e7), lightsN (N from 1 to 64), full-screen, layers-b2f, layers-f2b, a scene or a mesh",
+                                     printable(row)));
     Options one = options;
     one.inputs = {row};
     Scene scene = loadScene({row}, loadOptionsOf(options));
@@ -98,12 +113,43 @@ Scene sceneOf(const std::string& row, glm::uvec2 size, const Options& options) {
     return scene;
 }
 
-Exit benchRasterCommand(const Options& options, Renderer& renderer, std::vector<std::string> rows) {
-    if (rows.empty()) rows = benchSceneNames();
+RasterOptions rasterOptionsOf(const Options& options) {
     RasterOptions raster;
     if (options.size) raster.width = options.size->x, raster.height = options.size->y;
     raster.pairs = options.pairs;
     raster.watchdogMs = options.watchdogMs;
+    return raster;
+}
+
+Exit benchPassesCommand(const Options& options, Renderer& renderer, std::vector<std::string> rows) {
+    if (rows.empty()) rows = benchSceneNames();
+    RasterOptions raster = rasterOptionsOf(options);
+    Progress progress(options.progress, options.quiet);
+    raster.onProgress = [&progress](double done) {
+        stopIfInterrupted();
+        progress.update(done);
+    };
+    const bool text = !options.json || !options.jsonFile.empty();
+    Json json = contextJson(renderer);
+    json["bench"] = "passes";
+    json["rows"] = Json::array();
+    if (text) printData(fmt::format("{}\n{}x{}; {} pictures, median [10 %..90 %]\n{:<14} {:>9} {:>6} {:>9}\n", printable(renderer.name()), raster.width, raster.height, raster.pairs, "row", "triangles", "lights", "ms"));
+    for (size_t i = 0; i < rows.size(); ++i) {
+        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()));
+        const PassesRow row = benchPasses(*renderer.device(), sceneOf(rows[i], {raster.width, raster.height}, options), rows[i], raster);
+        progress.clear();
+        renderer.checkValidation();
+        if (text) printData(textOf(row));
+        json["rows"].push_back(jsonOf(row));
+    }
+    json["memory"] = memoryJson(renderer);
+    writeJson(options, {json});
+    return Exit::done;
+}
+
+Exit benchRasterCommand(const Options& options, Renderer& renderer, std::vector<std::string> rows) {
+    if (rows.empty()) rows = benchSceneNames();
+    RasterOptions raster = rasterOptionsOf(options);
     Progress progress(options.progress, options.quiet);
     raster.onProgress = [&progress](double done) {
         stopIfInterrupted();
@@ -260,10 +306,10 @@ Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::v
 
 Exit benchCommand(const Options& options) {
     const std::string& what = options.inputs[0];
-    if (what != "raster" && what != "matrix" && what != "claims" && what != "trace")
-        throw usageError(fmt::format("bench: '{}' is refused; accepted: raster, matrix, claims, trace", printable(what)));
+    if (what != "raster" && what != "passes" && what != "matrix" && what != "claims" && what != "trace")
+        throw usageError(fmt::format("bench: '{}' is refused; accepted: raster, passes, matrix, claims, trace", printable(what)));
     const std::vector<std::string> rows(options.inputs.begin() + 1, options.inputs.end());
-    if (what == "matrix" && options.size) throw usageError("--size is of `plumb bench raster`, `claims` and `trace`");
+    if (what == "matrix" && options.size) throw usageError("--size is of `plumb bench raster`, `passes`, `claims` and `trace`");
     Renderer renderer(options);
     if (renderer.device() == nullptr) {
         std::string why = renderer.choice().reason;
@@ -273,7 +319,9 @@ Exit benchCommand(const Options& options) {
     if (options.verbose != 0) say(options, fmt::format("device: {}", renderer.choice().reason));
     if (what == "claims") return benchClaimsCommand(options, renderer, rows);
     if (what == "trace") return benchTraceCommand(options, renderer, rows);
-    return what == "raster" ? benchRasterCommand(options, renderer, rows) : benchMatrixCommand(options, renderer, rows);
+    if (what == "raster") return benchRasterCommand(options, renderer, rows);
+    if (what == "passes") return benchPassesCommand(options, renderer, rows);
+    return benchMatrixCommand(options, renderer, rows);
 }
 
 }  // namespace plumb

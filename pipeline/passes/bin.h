@@ -18,9 +18,20 @@ struct TileLists {
 TileLists binCpu(const gpu::BinPush& push, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen);
 
 enum class BinStep { count, list };
-// Records the small triangles, then the large ones. `tiles`: counts (cleared by the caller), or first free entries.
-void recordBin(Recorder& recorder, BinStep step, gpu::BinPush push, uint32_t drawCount, uint32_t largeCount,
-               const Specialization& exact, const Buffer<gpu::DrawTriangle>& draws, const Buffer<gpu::ScreenVertex>& screen,
-               const Buffer<uint32_t>& large, const Buffer<uint32_t>& tiles, const Buffer<uint32_t>& entries);
+struct BinBuffers {
+    const Buffer<gpu::DrawTriangle>& draws;
+    const Buffer<gpu::ScreenVertex>& screen;
+    const Buffer<uint32_t>& large;       // places that are binned row by row
+    const Buffer<uint32_t>& medium;      // places that are walked when the set-up pass has counted the small ones; otherwise all are
+    const Buffer<uint32_t>& tiles;       // counts (cleared by the caller); for lists the first entry of each tile, and from push.ends on its end
+    const Buffer<uint32_t>& entries;
+    const Buffer<glm::uvec4>& slots;     // of small triangles that the set-up pass has counted
+};
+struct BinCounts {
+    uint32_t drawn = 0, medium = 0, large = 0;
+    bool counted = false;                // the set-up pass has counted the small triangles
+};
+void recordBin(Recorder& recorder, BinStep step, gpu::BinPush push, const BinCounts& counts, const Specialization& exact,
+               const BinBuffers& buffers);
 
 }  // namespace plumb

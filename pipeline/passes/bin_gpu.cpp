@@ -2,31 +2,45 @@
 #include "pipeline/passes/bin.h"
 
 #include <spirv/bin.h>
+#include <spirv/slots.h>
 
 namespace plumb {
 
-void recordBin(Recorder& recorder, BinStep step, gpu::BinPush push, uint32_t drawCount, uint32_t largeCount,
-               const Specialization& exact, const Buffer<gpu::DrawTriangle>& draws, const Buffer<gpu::ScreenVertex>& screen,
-               const Buffer<uint32_t>& large, const Buffer<uint32_t>& tiles, const Buffer<uint32_t>& entries) {
+namespace {
+
+void recordWalk(Recorder& recorder, const char* label, const gpu::BinPush& push, const Specialization& constants, const BinBuffers& b,
+                const Buffer<uint32_t>& indices) {
+    recorder.dispatch(label, spirv::bin, push.itemCount, push,
+                      {texels(b.draws, View::texelU32x4), texels(b.screen, View::texelU32x4), texels(indices, View::texelU32),
+                       storage(b.tiles), storage(b.entries)},
+                      constants);
+}
+
+}  // namespace
+
+void recordBin(Recorder& recorder, BinStep step, gpu::BinPush push, const BinCounts& counts, const Specialization& exact,
+               const BinBuffers& b) {
     Specialization constants = exact;
     constants[3] = step == BinStep::list;
     const char* label = step == BinStep::list ? "bin list" : "bin count";
-    if (drawCount) {
-        constants[2] = false;
-        push.itemCount = drawCount;
-        recorder.dispatch(label, spirv::bin, push.itemCount, push,
-                          {texels(draws, View::texelU32x4), texels(screen, View::texelU32x4), texels(large, View::texelU32),
-                           storage(tiles), storage(entries)},
-                          constants);
+    if (counts.counted && counts.drawn && step == BinStep::list) {
+        push.itemCount = counts.drawn;
+        recorder.dispatch(label, spirv::slots, push.itemCount, push,
+                          {texels(b.slots, View::texelU32x4), texels(b.tiles, View::texelU32), storage(b.entries)}, exact);
     }
-    if (largeCount) {
+    const uint32_t walked = counts.counted ? counts.medium : counts.drawn;
+    if (walked) {
+        constants[2] = false;
+        constants[4] = counts.counted;
+        push.itemCount = walked;
+        recordWalk(recorder, label, push, constants, b, b.medium);
+    }
+    if (counts.large) {
         constants[2] = true;
-        if (uint64_t(largeCount) * push.rowsPerLarge > 0xffffffffu) throw renderError("a chunk has too many large triangles");
-        push.itemCount = largeCount * push.rowsPerLarge;
-        recorder.dispatch(label, spirv::bin, push.itemCount, push,
-                          {texels(draws, View::texelU32x4), texels(screen, View::texelU32x4), texels(large, View::texelU32),
-                           storage(tiles), storage(entries)},
-                          constants);
+        constants[4] = false;
+        if (uint64_t(counts.large) * push.rowsPerLarge > 0xffffffffu) throw renderError("a chunk has too many large triangles");
+        push.itemCount = counts.large * push.rowsPerLarge;
+        recordWalk(recorder, label, push, constants, b, b.large);
     }
 }
 

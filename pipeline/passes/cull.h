@@ -21,6 +21,7 @@ struct DrawPlaces {
     std::vector<uint32_t> places;        // a CullRecord's first place
     std::vector<gpu::ClipJob> jobs;
     std::vector<uint32_t> large;         // places binned row by row (clip fans are added by the caller)
+    std::vector<uint32_t> medium;        // places that a counting set-up leaves to the bin pass
     uint32_t drawCount = 0;              // entries of the draw list
     uint32_t clippedVertices = 0;
     uint64_t drawn = 0, backFacing = 0, zeroArea = 0, outside = 0;
@@ -30,9 +31,11 @@ DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& 
 
 void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places, std::span<const glm::uvec4> triangles,
               std::span<const gpu::ScreenVertex> screen, std::span<gpu::DrawTriangle> draws, uint32_t threads);
-void recordSetup(Recorder& recorder, const gpu::SetupPush& push, const Specialization& exact,
+// With push.tilesX it counts small triangles in `tiles` too, and leaves the slots of each in `slots` (shared/setup.h).
+void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides, const Specialization& exact,
                  const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen,
-                 const Buffer<gpu::CullRecord>& records, const Buffer<uint32_t>& places, const Buffer<gpu::DrawTriangle>& draws);
+                 const Buffer<gpu::CullRecord>& records, const Buffer<uint32_t>& places, const Buffer<gpu::DrawTriangle>& draws,
+                 const Buffer<uint32_t>& tiles, const Buffer<glm::uvec4>& slots);
 
 // Writes the corners to screen and carried at job.vertex, the fan to draws at job.place; kinds[job] = wide | drawn << 1.
 void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std::span<const glm::uvec4> triangles,

@@ -39,8 +39,10 @@ void cullCpu(const gpu::CullPush& push, std::span<const glm::uvec4> triangles, s
                     default: {
                         r.drawn |= bit;
                         const glm::ivec2 extent = gpu::highest(p0, p1, p2) - gpu::lowest(p0, p1, p2);
-                        if (gpu::tilesInBox(p0, p1, p2, push.frame) > gpu::kSmallTiles) r.large |= bit;
+                        const glm::ivec4 box = gpu::tileBox(p0, p1, p2, push.frame);
+                        if (gpu::tilesInBox(box) > gpu::kSmallTiles) r.large |= bit;
                         if (!gpu::isNarrow(extent.x, extent.y)) r.wide |= bit;
+                        if (((r.large | r.wide) & bit) == 0 && !gpu::inFourTiles(box)) r.medium |= bit;
                     }
                 }
             }
@@ -67,6 +69,7 @@ DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& 
             return uint32_t(next) + std::popcount(r.drawn & below) + gpu::kClipFan * std::popcount(r.clip & below);
         };
         for (uint32_t left = r.large | r.wide; left; left &= left - 1) d.large.push_back(placeOfBit(std::countr_zero(left)));
+        for (uint32_t left = r.medium; left; left &= left - 1) d.medium.push_back(placeOfBit(std::countr_zero(left)));
         for (uint32_t left = r.clip; left; left &= left - 1) {
             const uint32_t bit = std::countr_zero(left);
             const uint32_t triangle = uint32_t(lane * gpu::kTrianglesPerLane + bit);

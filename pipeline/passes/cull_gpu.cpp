@@ -14,13 +14,17 @@ void recordCull(Recorder& recorder, const gpu::CullPush& push, const Specializat
                       {texels(triangles, View::texelU32x4), texels(screen, View::texelU32x4), storage(records)}, exact);
 }
 
-void recordSetup(Recorder& recorder, const gpu::SetupPush& push, const Specialization& exact,
+void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides, const Specialization& exact,
                  const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen,
-                 const Buffer<gpu::CullRecord>& records, const Buffer<uint32_t>& places, const Buffer<gpu::DrawTriangle>& draws) {
+                 const Buffer<gpu::CullRecord>& records, const Buffer<uint32_t>& places, const Buffer<gpu::DrawTriangle>& draws,
+                 const Buffer<uint32_t>& tiles, const Buffer<glm::uvec4>& slots) {
+    Specialization constants = exact;
+    constants[2] = push.tilesX != 0;
+    constants[3] = bothSides;
     recorder.dispatch("setup", spirv::setup, push.laneCount, push,
                       {texels(triangles, View::texelU32x4), texels(screen, View::texelU32x4), storage(records), storage(places),
-                       storage(draws)},
-                      exact);
+                       storage(draws), storage(tiles), storage(slots)},
+                      constants);
 }
 
 void recordClip(Recorder& recorder, const gpu::ClipPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,

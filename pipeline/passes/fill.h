@@ -16,7 +16,8 @@ namespace plumb {
 struct FillChoices {
     uint32_t shading = gpu::kShadingPhong;
     gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
-    bool oneMaterial = false, oneLight = false;
+    bool oneMaterial = false;
+    uint32_t lightCount = 0, lightKinds = 0;   // few lights: their number and kinds (shared/fill.h); 0: as many as there are
     bool affine = false;                 // attributes without perspective
     uint32_t depthBits = 32;             // 32: float32; gpu::kDepthStandard: float32 of 1 - n/w; 16, 24: fixed point
     bool unitNormals = true;             // false: as interpolated
@@ -25,6 +26,7 @@ struct FillChoices {
     uint32_t planes = 0;                 // gpu::kFillPlane bits that the plane buffer holds
     uint32_t write = 0;                  // of these: to write
     bool prior = false, wide = false, colour = true;
+    bool one = false;                    // every list of the dispatch has one entry
     uint32_t subgroupSize = 0;           // device: 0 = every invocation sets up every triangle; else shared by shuffles
 };
 

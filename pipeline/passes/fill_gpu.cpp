@@ -16,7 +16,7 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
     constants[4] = choices.parts.specular;
     constants[5] = choices.parts.point;
     constants[6] = choices.oneMaterial;
-    constants[7] = choices.oneLight;
+    constants[7] = choices.lightCount;
     constants[8] = choices.encoding;
     constants[9] = choices.planes;
     constants[10] = choices.prior;
@@ -29,8 +29,10 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
     constants[18] = push.toward != glm::vec3(0);
     constants[20] = choices.unitNormals;
     constants[21] = choices.coarse;
+    constants[24] = choices.lightKinds;
+    constants[25] = choices.one;
     // Wide triangles need more words than are worth shuffling.
-    const bool shuffle = choices.subgroupSize >= 8 && choices.subgroupSize <= 64 && !choices.wide;
+    const bool shuffle = !choices.one && choices.subgroupSize >= 8 && choices.subgroupSize <= 64 && !choices.wide;
     if (shuffle) constants[14] = choices.subgroupSize;
     const uint64_t tileOffset = uint64_t(firstTile) * sizeof(glm::uvec4);
     const bool native = choices.parts.power == gpu::kPowerNative || choices.encoding == gpu::kEncodeNative;

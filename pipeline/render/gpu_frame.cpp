@@ -6,6 +6,7 @@
 #include "pipeline/passes/transform.h"
 
 #include <fmt/format.h>
+#include <utility>
 
 namespace plumb {
 
@@ -135,7 +136,13 @@ void GpuFrame::setup() {
     }
     draws_.reserve(device_, places_.drawCount, "draw list");
     put<uint32_t>(device_, lanePlaces_, places_.places, "places");
-    recordSetup(recorder_, {0, uint32_t(lanes)}, exact_, triangles_, screen_, records_, lanePlaces_, draws_);
+    const uint32_t tiles = tilesX_ * tilesY_;
+    counted_ = band_.firstRow == 0 && band_.rows == chunk_->frame.height && band_.width == chunk_->frame.width && tiles <= gpu::kSlotTiles;
+    tiles_.reserve(device_, std::max(1u, 2 * tiles), "tiles");
+    slots_.reserve(device_, counted_ ? places_.drawCount : 1, "slots");
+    if (counted_) std::fill_n(tiles_.span().begin(), tiles, 0u);
+    recordSetup(recorder_, {0, uint32_t(lanes), counted_ ? tilesX_ : 0, chunk_->frame}, chunk_->cullBackFaces == 0, exact_, triangles_, screen_,
+                records_, lanePlaces_, draws_, tiles_, slots_);
     wide_ = places_.wide;
     clippedDrawn_ = 0;
     if (!places_.jobs.empty()) {
@@ -148,13 +155,17 @@ void GpuFrame::setup() {
     for (size_t j = 0; j < places_.jobs.size(); ++j) {
         wide_ |= kinds_.span()[j] & 1;
         clippedDrawn_ += kinds_.span()[j] >> 1;
-        for (uint32_t i = 0; i < gpu::kClipFan; ++i) places_.large.push_back(places_.jobs[j].place + i);
+        for (uint32_t i = 0; i < gpu::kClipFan; ++i) {
+            places_.large.push_back(places_.jobs[j].place + i);
+            if (counted_) slots_.span()[places_.jobs[j].place + i] = glm::uvec4(gpu::kNoSlot);
+        }
     }
 }
 
 void GpuFrame::beginBand(const gpu::FrameBox& band, uint32_t planes) {
     band_ = band;
     planes_ = planes = withSum(planes);
+    counted_ = false;
     tilesX_ = uint32_t(band.width + gpu::kTileWidth - 1) / gpu::kTileWidth;
     tilesY_ = uint32_t(band.rows + gpu::kTileHeight - 1) / gpu::kTileHeight;
     rowQuads_ = tilesX_ * gpu::kTileWidth / 4;
@@ -178,6 +189,7 @@ gpu::BinPush GpuFrame::binPush() const {
     push.tilesX = tilesX_;
     push.tilesY = tilesY_;
     push.rowsPerLarge = tilesY_;
+    push.ends = tilesX_ * tilesY_;
     push.firstClippedVertex = uint32_t(chunk_->positions.size());
     push.frame = band_;
     return push;
@@ -185,12 +197,17 @@ gpu::BinPush GpuFrame::binPush() const {
 
 void GpuFrame::bin() {
     const uint32_t tiles = tilesX_ * tilesY_;
-    tiles_.reserve(device_, tiles, "tiles");
+    tiles_.reserve(device_, 2 * uint64_t(tiles), "tiles");
     put<uint32_t>(device_, large_, places_.large, "large triangles");
+    put<uint32_t>(device_, medium_, places_.medium, "medium triangles");
     entries_.reserve(device_, 1, "tile lists");
-    std::fill_n(tiles_.span().begin(), tiles, 0u);
-    const uint32_t largeCount = uint32_t(places_.large.size());
-    recordBin(recorder_, BinStep::count, binPush(), places_.drawCount, largeCount, exact_, draws_, screen_, large_, tiles_, entries_);
+    // Slots are good for one band of one set-up, and numbers in them for as many triangles in a tile as 16 bits count.
+    const auto isCrowded = [](uint32_t count) { return count > gpu::kSlotTiles; };
+    const bool counted = std::exchange(counted_, false) && std::none_of(tiles_.span().begin(), tiles_.span().begin() + tiles, isCrowded);
+    if (!counted) std::fill_n(tiles_.span().begin(), tiles, 0u);
+    const BinBuffers buffers{draws_, screen_, large_, medium_, tiles_, entries_, slots_};
+    const BinCounts counts{places_.drawCount, uint32_t(places_.medium.size()), uint32_t(places_.large.size()), counted};
+    recordBin(recorder_, BinStep::count, binPush(), counts, exact_, buffers);
     recorder_.run(watchdogMs_);
     tileCounts_.assign(tiles_.span().begin(), tiles_.span().begin() + tiles);
     tileRecords_.clear();
@@ -200,12 +217,13 @@ void GpuFrame::bin() {
         if (count) tileRecords_.push_back({(t % tilesX_) | (t / tilesX_) << 16, uint32_t(total), count, 0});
         tiles_.span()[t] = uint32_t(total);
         total += count;
+        tiles_.span()[tiles + t] = uint32_t(total);
     }
     binEntries_ = total;
     checkFits("tile-list entries", total, 4);
     if (total == 0) return;
     entries_.reserve(device_, total, "tile lists");
-    recordBin(recorder_, BinStep::list, binPush(), places_.drawCount, largeCount, exact_, draws_, screen_, large_, tiles_, entries_);
+    recordBin(recorder_, BinStep::list, binPush(), counts, exact_, buffers);
 }
 
 void GpuFrame::fill(FillChoices choices) {
@@ -234,18 +252,21 @@ void GpuFrame::fill(FillChoices choices) {
     // The pixel that is shaded must be known when it is.
     if (choices.coarse && (choices.prior || slices > 1))
         throw renderError("rate=1/2 draws a picture in one piece only, and this one takes several chunks of triangles: leave it out");
-    const FillBuffers buffers{draws_,     screen_,  choices.shading == gpu::kShadingFlat ? faceColours_ : carried_, tileBuffer_, entries_,
-                              triangleMaterial_, materials_, lights_, encodeTable_, colours_, planeBuffer_};
+    // Tiles with one triangle have a kernel of their own, without loops. It is worth compiling where it has much to do.
+    const size_t ones = size_t(std::count_if(tileRecords_.begin(), tileRecords_.end(), [](const glm::uvec4& tile) { return tile.z == 1; }));
+    const bool apart = ones >= kOnesApart && 2 * ones >= tileRecords_.size();
     for (uint32_t slice = 0; slice < slices; ++slice) {
-        std::vector<glm::uvec4> tiles;
+        std::vector<glm::uvec4> tiles, alone;
         for (glm::uvec4 tile : tileRecords_) {
             const uint32_t skip = slice * gpu::kTileListLimit;
             if (tile.z <= skip) continue;
+            const bool one = apart && tile.z == 1;
             tile.y += skip;
             tile.z = std::min(tile.z - skip, gpu::kTileListLimit);
-            tiles.push_back(tile);
+            (one ? alone : tiles).push_back(tile);
         }
         put<glm::uvec4>(device_, tileBuffer_, tiles, "tile records");
+        put<glm::uvec4>(device_, aloneBuffer_, alone, "tiles of one triangle");
         // All windows but the last leave the sum only: z still is what the last one, too, shall find there.
         push.firstLight = 0;
         do {
@@ -255,7 +276,9 @@ void GpuFrame::fill(FillChoices choices) {
                 window.write = gpu::kFillPlaneSum;
                 window.colour = false;
             }
-            recordTiles(tiles, push, window, buffers);
+            recordTiles(tiles, tileBuffer_, push, window);
+            window.one = true;
+            recordTiles(alone, aloneBuffer_, push, window);
             push.firstLight += push.lightCount;
         } while (push.firstLight < lightCount);
         recorder_.run(watchdogMs_);
@@ -263,7 +286,10 @@ void GpuFrame::fill(FillChoices choices) {
     }
 }
 
-void GpuFrame::recordTiles(std::span<const glm::uvec4> tiles, gpu::FillPush push, const FillChoices& choices, const FillBuffers& buffers) {
+// In dispatches that are neither long nor too many.
+void GpuFrame::recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push, const FillChoices& choices) {
+    const FillBuffers buffers{draws_,     screen_,  choices.shading == gpu::kShadingFlat ? faceColours_ : carried_, buffer, entries_,
+                              triangleMaterial_, materials_, lights_, encodeTable_, colours_, planeBuffer_};
     const uint64_t perTile = kWorkPerTile * (1 + push.lightCount);
     uint32_t first = 0;
     uint64_t work = 0;

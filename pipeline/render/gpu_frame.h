@@ -16,6 +16,9 @@ struct TooLarge {
     std::string what;
 };
 
+// So many tiles with one triangle are drawn by a kernel of their own: half a million pixels, many times what another dispatch costs.
+inline constexpr size_t kOnesApart = 4096;
+
 class GpuFrame {
 public:
     GpuFrame(Device& device, const Prepared& prepared, double watchdogMs);
@@ -24,7 +27,8 @@ public:
     void upload(const DrawList& chunk);
     // transform, illuminate and cull. `normals`: carry world normals whatever the shading (normal plane).
     void transformAndCull(bool normals);
-    // Host step, set-up and clip. Throws TooLarge before anything is written.
+    // Host step, set-up and clip. Throws TooLarge before anything is written. When the band that was begun is the whole frame,
+    // small triangles are counted in its tiles at once.
     void setup();
     // Clears the band's buffers to background.
     void beginBand(const gpu::FrameBox& band, uint32_t planes);
@@ -50,6 +54,7 @@ public:
     Recorder& recorder() { return recorder_; }
     const DrawPlaces& places() const { return places_; }
     uint64_t binEntries() const { return binEntries_; }
+    bool counted() const { return counted_; }                         // setup() has counted small triangles for the next bin()
     uint64_t clippedDrawn() const { return clippedDrawn_; }
 
     // For verify: what a step left, and what the next one shall read.
@@ -63,7 +68,7 @@ public:
     gpu::BinPush binPush() const;
 
 private:
-    void recordTiles(std::span<const glm::uvec4> tiles, gpu::FillPush push, const FillChoices& choices, const FillBuffers& buffers);
+    void recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push, const FillChoices& choices);
     uint32_t withSum(uint32_t planes) const;  // and the sum of the lights, where they come in windows
     void checkFits(const char* what, uint64_t count, uint64_t elementBytes) const;
 
@@ -76,6 +81,7 @@ private:
     DrawPlaces places_;
     uint64_t binEntries_ = 0, clippedDrawn_ = 0;
     bool wide_ = false;
+    bool counted_ = false;                // tiles_ and slots_ hold the small triangles of the chunk in this band
     bool carriedNormals_ = false;         // carried_ holds the world normals of what was uploaded
     gpu::FrameBox band_{};
     uint32_t tilesX_ = 0, tilesY_ = 0, rowQuads_ = 0, planeQuads_ = 0, resolvedQuads_ = 0, planes_ = 0;
@@ -83,8 +89,8 @@ private:
     std::vector<glm::uvec4> tileRecords_;
 
     Buffer<glm::vec4> positions_, normals_, facePositions_, faceNormals_, carried_, faceColours_;
-    Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, lanePlaces_, large_, kinds_, tiles_, entries_, encodeTable_;
-    Buffer<glm::uvec4> triangles_, tileBuffer_, colours_, planeBuffer_, resolved_;
+    Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, lanePlaces_, large_, medium_, kinds_, tiles_, entries_, encodeTable_;
+    Buffer<glm::uvec4> triangles_, slots_, tileBuffer_, aloneBuffer_, colours_, planeBuffer_, resolved_;
     Buffer<glm::vec4> resolvedLinear_;
     Buffer<gpu::ObjectRecord> objects_;
     Buffer<gpu::MaterialRecord> materials_;

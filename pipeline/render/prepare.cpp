@@ -269,7 +269,10 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
     if (!diffuse) p.plan.dropped.push_back({"diffuse", "Kd is 0 everywhere"});
     if (!specular) p.plan.dropped.push_back({"specular", "Ks is 0 everywhere"});
     if (!point) p.plan.dropped.push_back({"surface position", "no point light"});
-    c.oneLight = p.list.lights.size() == 1;
+    if (p.list.lights.size() <= gpu::kUnrolledLights) {
+        c.lightCount = uint32_t(p.list.lights.size());
+        for (uint32_t i = 0; i < c.lightCount; ++i) c.lightKinds |= gpu::lightKind(i, p.list.lights[i].kind != 0, uint32_t(p.list.lights[i].attenuation));
+    }
     c.oneMaterial = p.list.materials.size() == 1;
 }
 

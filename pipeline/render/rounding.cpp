@@ -177,7 +177,7 @@ private:
 
 std::optional<Rounding> roundingOf(const Scene& scene, const RenderRequest& request, const Frame& frame) {
     const PlainFloats plain;
-    if (request.shading == Shading::wire || request.shading == Shading::ray || request.fill == Fill::notes) return {};
+    if (request.shading == Shading::wire || request.shading == Shading::ray || request.fill == Fill::notes || request.distantViewer) return {};
     const Reread again(scene, request);
     const Prepared& p = again.prepared();
     if (p.choices.coarse) return {};

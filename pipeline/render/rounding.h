@@ -18,7 +18,7 @@ struct Rounding {
     uint64_t pixels = 0;
 };
 
-// `frame` is what `request` drew, with kPlaneLinear. None for wire frames, rays, --fill notes and shading once in 2 x 2 pixels, whose passes are not
+// `frame` is what `request` drew, with kPlaneLinear. None for wire frames, rays, --fill notes, a distant viewer and shading once in 2 x 2 pixels, whose passes are not
 // read again.
 std::optional<Rounding> roundingOf(const Scene& scene, const RenderRequest& request, const Frame& frame);
 

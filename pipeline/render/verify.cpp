@@ -17,6 +17,8 @@ namespace plumb {
 
 namespace {
 
+constexpr uint32_t kPlanes = gpu::kFillPlaneZ | gpu::kFillPlaneTriangle | gpu::kFillPlaneLinear;   // what passes() compares
+
 // Distance in representable floats; the sign bit is folded so that -0 and +0 are 0 apart.
 uint64_t ulpDistance(float a, float b) {
     const auto ordered = [](float f) {
@@ -135,6 +137,10 @@ private:
         std::copy_n(twin.screen.begin(), vertices, frame.screen().begin());
         std::copy_n(twin.carried.begin(), vertices, frame.carried().begin());
         std::copy(twin.records.begin(), twin.records.end(), frame.records().begin());
+        gpu::FrameBox band = list.frame;
+        const uint32_t bandRows = std::min(frame.bandRows(kPlanes), uint32_t(list.frame.height));
+        band.rows = int(bandRows);
+        frame.beginBand(band, kPlanes);
         frame.setup();
         compare<gpu::DrawTriangle>("setup", "drawn triangle", twin.draws, frame.draws().first(twin.draws.size()));
         // A clip job owns 8 corners and uses those that its fan names.
@@ -150,26 +156,22 @@ private:
                 }
         compare<gpu::ScreenVertex>("clip", "clipped corner", wantCorners, gotCorners);
         if (p.choices.shading >= gpu::kShadingGouraud) compare<glm::vec4>("clip", "carried by clipped corner", wantCarried, gotCarried);
-        gpu::FrameBox band = list.frame;
-        const uint32_t planes = gpu::kFillPlaneZ | gpu::kFillPlaneTriangle | gpu::kFillPlaneLinear;
-        const uint32_t bandRows = std::min(frame.bandRows(planes), uint32_t(list.frame.height));
         for (uint32_t firstRow = 0; firstRow < uint32_t(list.frame.height); firstRow += bandRows) {
             band.firstRow = int(firstRow);
             band.rows = int(std::min(bandRows, uint32_t(list.frame.height) - firstRow));
-            verifyBand(frame, p, list, twin, band, planes);
+            if (firstRow) frame.beginBand(band, kPlanes);
+            verifyBand(frame, p, list, twin, band);
         }
     }
 
-    void verifyBand(GpuFrame& frame, const Prepared& p, const DrawList& list, const TwinGeometry& twin, const gpu::FrameBox& band,
-                    uint32_t planes) {
-        frame.beginBand(band, planes);
+    void verifyBand(GpuFrame& frame, const Prepared& p, const DrawList& list, const TwinGeometry& twin, const gpu::FrameBox& band) {
         try {
             frame.bin();
         } catch (const TooLarge&) {
             return;  // the chain draws this one in chunks
         }
         FillChoices choices = p.choices;
-        choices.write = planes;
+        choices.write = kPlanes;
         frame.fill(choices);
         const TileLists want = binCpu(frame.binPush(), twin.draws, twin.screen);
         compare<uint32_t>("bin", "entries of tile", want.counts, frame.tileCounts());

@@ -12,6 +12,7 @@ struct BinPush {
     uint itemCount;                     // drawn triangles, or (large triangle, tile row) pairs
     uint tilesX, tilesY;                // of the band
     uint rowsPerLarge;                  // tile rows of the band (large triangles only)
+    uint ends;                          // word of the first tile's end in the buffer of tiles, while lists are written
     uint firstClippedVertex;            // triangles of clip fans (vertices from here on) are all binned row by row
     FrameBox frame;
 };

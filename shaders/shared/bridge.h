@@ -55,7 +55,7 @@ inline float roundEvenReal(float x) { return std::nearbyint(x); }
 // The device's own power in modules that hold the instruction (below); here the power rounded once.
 inline float nativePow(float x, float y) { return float(std::pow(double(x), double(y))); }
 inline int shiftLeft(int x, int n) { return int(uint(x) << n); }
-// Sign of a b - c d, exact for |values| < 2^31: -1, 0 or 1.
+// Sign of a b - c d, exact for |a b|, |c d| < 2^50: -1, 0 or 1.
 inline int signOfDifference(int a, int b, int c, int d) {
     const std::int64_t left = std::int64_t(a) * b, right = std::int64_t(c) * d;
     return left > right ? 1 : left < right ? -1 : 0;
@@ -112,13 +112,12 @@ float nativePow(float x, float y) { return x; }
 #endif
 ivec4 shiftLeft(ivec4 x, int n) { return x << n; }
 int shiftLeft(int x, int n) { return x << n; }
+// Four roundings of products below 2^50 are less than 2^29 together: where the float is 2^30 or more its sign is right, and
+// elsewhere the difference lies within 2^31, so that the wrapping integer is the difference itself. 64 bits are slow here.
 int signOfDifference(int a, int b, int c, int d) {
-    int highL, lowL, highR, lowR;
-    imulExtended(a, b, highL, lowL);
-    imulExtended(c, d, highR, lowR);
-    bool equalWords = highL == highR && lowL == lowR;
-    bool greater = highL > highR || (highL == highR && uint(lowL) > uint(lowR));
-    return equalWords ? 0 : greater ? 1 : -1;
+    float rough = float(a) * float(b) - float(c) * float(d);
+    int wrapped = a * b - c * d;
+    return abs(rough) < 1073741824.0 ? sign(wrapped) : rough > 0.0 ? 1 : -1;
 }
 #endif
 #endif

@@ -27,6 +27,7 @@ struct CullRecord {
     uint large;                         // bit t, subset of drawn: binned row by row
     uint wide;                          // bit t, subset of drawn: needs the 64-bit set-up
     uint backFacing, zeroArea, outside; // bits, for the counters
+    uint medium;                        // bit t, subset of drawn: neither large nor wide, but in more than 2 x 2 tiles of the frame
 };
 
 struct CullPush {
@@ -68,15 +69,19 @@ SHARED_FN uint classify(ivec2 p0, ivec2 p1, ivec2 p2, FrameBox frame, uint cullB
     return pick(sign == 0, kZeroArea, kind);
 }
 
-SHARED_FN int tilesInBox(ivec2 p0, ivec2 p1, ivec2 p2, FrameBox frame) {
+// First and last tile of a triangle's box in the frame, x and y.
+SHARED_FN ivec4 tileBox(ivec2 p0, ivec2 p1, ivec2 p2, FrameBox frame) {
     ivec2 low = lowest(p0, p1, p2);
     ivec2 high = highest(p0, p1, p2);
     int x0 = max(firstPixel(low.x), 0) / kTileWidth;
     int x1 = min(lastPixel(high.x), frame.width - 1) / kTileWidth;
     int y0 = max(firstPixel(low.y), 0) / kTileHeight;
     int y1 = min(lastPixel(high.y), frame.height - 1) / kTileHeight;
-    return (x1 - x0 + 1) * (y1 - y0 + 1);
+    return ivec4(x0, y0, x1, y1);
 }
+SHARED_FN int tilesInBox(ivec4 box) { return (box.z - box.x + 1) * (box.w - box.y + 1); }
+// At most two tiles wide and two high: such triangles are counted by the set-up pass.
+SHARED_FN bool inFourTiles(ivec4 box) { return box.z <= box.x + 1 && box.w <= box.y + 1; }
 
 // The order of a drawn triangle's corners: counter-clockwise as seen, lowest (y, x) first, so that everything after it is
 // the same whichever corner the file names first.

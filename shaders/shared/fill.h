@@ -79,6 +79,12 @@ SHARED_CONST uint kFillPlaneSum = 16u;      // three planes: light added up so f
 // light by light in the same order, so the bytes are those of one window.
 SHARED_CONST uint kTileListLimit = 40000u;
 
+// So few lights are constants of the kernel in number and kind: three bits a light, bit 0 a place, the others its attenuation.
+SHARED_CONST uint kUnrolledLights = 4u;
+SHARED_FN uint lightKind(uint light, bool place, uint attenuation) { return (pick(place, 1u, 0u) | attenuation << 1u) << (3u * light); }
+SHARED_FN float lightIsAPlace(uint kinds, uint light) { return float((kinds >> (3u * light)) & 1u); }
+SHARED_FN float lightAttenuation(uint kinds, uint light) { return float((kinds >> (3u * light + 1u)) & 3u); }
+
 struct FillPush {
     uint statusSlot;
     uint tileCount;

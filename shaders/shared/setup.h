@@ -9,7 +9,13 @@ SHARED_BEGIN
 struct SetupPush {
     uint statusSlot;
     uint laneCount;                     // CullRecords
+    uint tilesX;                        // of the frame, where small triangles are counted in the same pass (one band); else 0
+    FrameBox frame;
 };
+
+// Where a counted triangle goes: for each of its up to four tiles `tile | number among the tile's counted triangles << 16`.
+SHARED_CONST uint kNoSlot = 0xffffffffu;
+SHARED_CONST uint kSlotTiles = 65535u;  // more tiles than that, or more triangles in one, and the bin pass counts them itself
 
 struct ClipJob {
     uint triangle;                      // of the chunk
@@ -26,6 +32,17 @@ struct ClipPush {
     Viewport viewport;
 };
 
+// A triangle that faces the viewer.
+SHARED_FN DrawTriangle frontTriangle(uint v0, uint v1, uint v2, ivec2 p0, ivec2 p1, ivec2 p2, uint source) {
+    uint first = firstCorner(p0, p1, p2);
+    DrawTriangle d;
+    d.vertex[0] = pick(first == 0u, v0, pick(first == 1u, v1, v2));
+    d.vertex[1] = pick(first == 0u, v1, pick(first == 1u, v2, v0));
+    d.vertex[2] = pick(first == 0u, v2, pick(first == 1u, v0, v1));
+    d.source = source;
+    return d;
+}
+
 SHARED_FN DrawTriangle drawTriangle(uint v0, uint v1, uint v2, ivec2 p0, ivec2 p1, ivec2 p2, uint source) {
     bool back = facing(p0, p1, p2) < 0;
     uint s1 = pick(back, v2, v1);
@@ -36,13 +53,7 @@ SHARED_FN DrawTriangle drawTriangle(uint v0, uint v1, uint v2, ivec2 p0, ivec2 p
         q1 = p2;
         q2 = p1;
     }
-    uint first = firstCorner(p0, q1, q2);
-    DrawTriangle d;
-    d.vertex[0] = pick(first == 0u, v0, pick(first == 1u, s1, s2));
-    d.vertex[1] = pick(first == 0u, s1, pick(first == 1u, s2, v0));
-    d.vertex[2] = pick(first == 0u, s2, pick(first == 1u, v0, s1));
-    d.source = source;
-    return d;
+    return frontTriangle(v0, s1, s2, p0, q1, q2, source);
 }
 
 SHARED_END

@@ -462,6 +462,16 @@ class Bench(Command):
     def test_raster_needs_a_graphics_queue(self):
         self.expect(4, "bench", "raster", "sphere1e3", "--size", "64x48", says="has no graphics pipeline", env={"PLUMB_LIMITS": "graphicsQueue=0"})
 
+    def test_passes_are_measured_alone_under_any_number_of_lights(self):
+        done = self.expect(0, "bench", "passes", "sphere1e3", "lights3", "lights64", "--size", "64x48", "--repeat", "3", "--json")
+        rows = json.loads(done.stdout)["rows"]
+        self.assertEqual([(row["name"], row["lights"]) for row in rows], [("sphere1e3", 1), ("lights3", 3), ("lights64", 64)])
+        for row in rows:
+            self.assertEqual(row["ms"]["count"], 3)
+            self.assertGreater(row["ms"]["least"], 0)
+            self.assertGreater(row["counters"]["drawnTriangles"], 100)
+            self.assertIn("fill", row["passes_ms"])
+
     def test_matrix_measures_every_way_and_device_equals_twin(self):
         done = self.expect(0, "bench", "matrix", "1000", "70000", "--repeat", "3", "--json")
         tables = json.loads(done.stdout)["tables"]
@@ -524,10 +534,11 @@ class Bench(Command):
         self.assertGreater(report["rows"][0]["feelers"], 10000)
 
     def test_refusals(self):
-        self.expect(2, "bench", "rater", says="accepted: raster, matrix, claims, trace")
+        self.expect(2, "bench", "rater", says="accepted: raster, passes, matrix, claims, trace")
         self.expect(2, "bench", "trace", "spheres7", says="is no row; accepted: spheres4")
         self.expect(2, "bench", "claims", "knot1e3", says="sphereN")
         self.expect(2, "bench", "raster", "sphere7", says="is no row")
+        self.expect(2, "bench", "passes", "lights65", says="is no row")
         self.expect(2, "bench", "matrix", "1.5", says="is no count")
         self.expect(3, "bench", "raster", "nothing.obj", says="nothing.obj")
         self.expect(4, "bench", "matrix", "1000", says="there is none", env=NONE)

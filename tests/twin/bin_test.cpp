@@ -6,6 +6,20 @@
 namespace plumb::test {
 namespace {
 
+// Returns how many entries there are.
+size_t expectSameLists(PassFrame& f) {
+    const TileLists want = binCpu(f.frame.binPush(), f.twin.draws, f.twin.screen);
+    const uint32_t tilesX = f.frame.binPush().tilesX;
+    expectSame<uint32_t>("bin: entries", want.counts, f.frame.tileCounts(), [&](size_t i) { return fmt::format("tile ({}, {})", i % tilesX, i / tilesX); });
+    std::vector<uint32_t> got(f.frame.entries().begin(), f.frame.entries().begin() + ptrdiff_t(f.frame.binEntries()));
+    EXPECT_EQ(got.size(), want.entries.size());
+    if (got.size() != want.entries.size()) return 0;
+    for (size_t first = 0, t = 0; t < want.counts.size(); first += want.counts[t++])
+        std::sort(got.begin() + ptrdiff_t(first), got.begin() + ptrdiff_t(first + want.counts[t]));
+    expectSame<uint32_t>("bin: list", want.entries, got);
+    return got.size();
+}
+
 class BinTwin : public SceneRows {};
 
 TEST_P(BinTwin, ListsTheSameSets) {
@@ -18,19 +32,45 @@ TEST_P(BinTwin, ListsTheSameSets) {
             f.frame.beginBand(f.band(firstRow, bandRows), kPassPlanes);
             f.frame.bin();
             f.frame.recorder().run(kWatchdogMs);
-            const TileLists want = binCpu(f.frame.binPush(), f.twin.draws, f.twin.screen);
-            const uint32_t tilesX = f.frame.binPush().tilesX;
-            expectSame<uint32_t>("bin: entries", want.counts, f.frame.tileCounts(),
-                                 [&](size_t i) { return fmt::format("tile ({}, {})", i % tilesX, i / tilesX); });
-            std::vector<uint32_t> got(f.frame.entries().begin(), f.frame.entries().begin() + ptrdiff_t(f.frame.binEntries()));
-            ASSERT_EQ(got.size(), want.entries.size());
-            for (size_t first = 0, t = 0; t < want.counts.size(); first += want.counts[t++])
-                std::sort(got.begin() + ptrdiff_t(first), got.begin() + ptrdiff_t(first + want.counts[t]));
-            expectSame<uint32_t>("bin: list", want.entries, got);
-            listed += got.size();
+            listed += expectSameLists(f);
         }
     }
     EXPECT_GT(listed, 0u) << "no list has an entry: this row shows nothing";
+}
+
+// The whole frame as one band, begun before the set-up, which then counts the small triangles.
+TEST_P(BinTwin, ListsWhatTheSetUpHasCounted) {
+    for (bool cullBackFaces : {false, true}) {
+        SCOPED_TRACE(cullBackFaces ? "back faces culled" : "back faces drawn");
+        Scene scene = GetParam().scene();
+        scene.cullBackFaces = cullBackFaces;
+        PassFrame f(device(), scene, requestOf(GetParam()));
+        f.frame.beginBand(f.band(0, int(GetParam().height)), kPassPlanes);
+        f.setup();
+        ASSERT_TRUE(f.frame.counted()) << "nothing was counted: this shows nothing";
+        f.frame.bin();
+        f.frame.recorder().run(kWatchdogMs);
+        EXPECT_GT(expectSameLists(f), 0u) << "no list has an entry: this row shows nothing";
+        // What was counted is good for one list: the next band counts again.
+        EXPECT_FALSE(f.frame.counted());
+        f.frame.bin();
+        f.frame.recorder().run(kWatchdogMs);
+        EXPECT_GT(expectSameLists(f), 0u);
+    }
+}
+
+class BinCrowd : public OnDevice<::testing::Test> {};
+
+// More triangles in a tile than a slot can number: the bin pass counts them anew.
+TEST_F(BinCrowd, IsCountedAnew) {
+    const SceneCase one{"crowd", [](View v) { return soup(v, 9, 400000, 4); }, 16, 8};
+    PassFrame f(device(), one.scene(), requestOf(one));
+    f.frame.beginBand(f.band(0, 8), kPassPlanes);
+    f.setup();
+    ASSERT_TRUE(f.frame.counted());
+    f.frame.bin();
+    f.frame.recorder().run(kWatchdogMs);
+    EXPECT_GT(expectSameLists(f), gpu::kSlotTiles) << "the tile is not crowded: this shows nothing";
 }
 
 // Whoever owns a pixel is in its tile's list: the exact coverage of the fill against the bin's own rule.

@@ -53,6 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, CullTwin, ::testing::ValuesIn(sceneCases()), []
 // The rows reach what they are meant to reach; a row that stops doing so is found here and not in a quiet loss of cover.
 TEST(CullRows, ReachEveryClass) {
     gpu::CullRecord all{};
+    uint32_t small = 0;
     uint32_t outcodes = 0, corners = 0;
     bool wideClip = false;
     for (const SceneCase& c : sceneCases()) {
@@ -68,6 +69,8 @@ TEST(CullRows, ReachEveryClass) {
             all.backFacing |= r.backFacing;
             all.zeroArea |= r.zeroArea;
             all.outside |= r.outside;
+            all.medium |= r.medium;
+            small |= r.drawn & ~(r.large | r.wide | r.medium);
         }
         for (const gpu::ScreenVertex& s : std::span(g.screen).first(p.list.positions.size())) outcodes |= s.outcode;
         for (uint32_t kind : g.clipKinds) {
@@ -82,6 +85,8 @@ TEST(CullRows, ReachEveryClass) {
     EXPECT_NE(all.backFacing, 0u);
     EXPECT_NE(all.zeroArea, 0u);
     EXPECT_NE(all.outside, 0u);
+    EXPECT_NE(all.medium, 0u);
+    EXPECT_NE(small, 0u);
     EXPECT_EQ(outcodes, (1u << gpu::kClipPlanes) - 1u) << "some plane has no vertex outside it";
     EXPECT_GE(corners, 3u) << "no triangle is clipped at three planes";
     EXPECT_TRUE(wideClip) << "no clipped triangle needs the wide set-up";

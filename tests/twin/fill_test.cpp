@@ -138,6 +138,28 @@ TEST_F(FillVariant, ADistantViewer) {
     for (Shading shading : {Shading::flat, Shading::gouraud, Shading::phong}) compareFill(device(), row, row.scene(), shading, Encoding::srgb, int(row.height), true);
 }
 
+// A wall that fills the frame, and little before it: nearly every tile has one triangle.
+Scene wall(View v) {
+    const double right = v.width + 9, low = v.height + 9;
+    return sceneOf({{v.pointAt(-9, -9, 2), v.pointAt(right, -9, 4), v.pointAt(right, low, 7)},
+                    {v.pointAt(-9, -9, 2), v.pointAt(right, low, 7), v.pointAt(-9, low, 3)},
+                    {v.pointAt(200, 90, 1), v.pointAt(260, 300, 1), v.pointAt(320, 110, 1.5)}});
+}
+TEST_F(FillVariant, TilesOfOneTriangleApart) {
+    const SceneCase row{"wall", wall, 1088, 528};
+    PassFrame f(device(), row.scene(), requestOf(row));
+    f.takeTwin();
+    f.frame.beginBand(f.band(0, int(row.height)), kPassPlanes);
+    f.frame.bin();
+    f.frame.recorder().run(kWatchdogMs);
+    const std::span<const uint32_t> counts = f.frame.tileCounts();
+    ASSERT_GE(size_t(std::count(counts.begin(), counts.end(), 1u)), kOnesApart) << "not enough of them: this shows nothing";
+    for (Shading shading : {Shading::unlit, Shading::flat, Shading::gouraud, Shading::phong}) {
+        SCOPED_TRACE(fmt::format("shading {}", int(shading)));
+        compareFill(device(), row, row.scene(), shading, Encoding::srgb, int(row.height));
+    }
+}
+
 // Equal depths: the lower triangle wins, whatever the order in which a tile's list holds them.
 TEST_F(FillVariant, GivesTiesToTheLowerTriangle) {
     const SceneCase row{"equalDepths", equalDepths, 131, 67};

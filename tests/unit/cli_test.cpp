@@ -97,7 +97,7 @@ TEST(Options, AreRefusedWithAReason) {
         {"render a.obj -o a.png --gate max<=1", "--gate is not a flag of `plumb render`"},
         {"plan x", "'plan' is not in this version"},
         {"plan x", "not in this version"},
-        {"bench", "needs raster|matrix|claims|trace"},
+        {"bench", "needs raster|passes|matrix|claims|trace"},
         {"render a.toml -o a.png --sampling middle", "accepted: grid, centre, random, corners, adaptive, notes"},
         {"render a.toml -o a.png --jitter reflect=0.6", "--jitter"},
         {"render a.toml -o a.png --jitter reflect", "reflect=X, refract=X, shadow=X"},
