@@ -58,7 +58,7 @@ void main() {
         Surface surface = sphereSurface(s, int(column) - s.column, s.row - int(row), nearestHeight, push.unit);
         Reflectance k = Reflectance(diffuse.x, diffuse.y, diffuse.z, specular.x, specular.y, specular.z, base.w, diffuse.w);
         c = Colour(base.x, base.y, base.z);
-        for (int light = 0; light < int(lightCount); ++light)
+        for (int light = 0; light < min(int(lightCount), kSphereLights); ++light)
             addLight(texelFetch(lights, light * kLightTexels), texelFetch(lights, light * kLightTexels + 1), surface, k,
                      ShadeParts(kDiffuse, kSpecular, kPointLights, kPower), c);
     }
@@ -68,5 +68,5 @@ void main() {
         owners[pixel] = owner;
         colours[pixel] = vec4(c.r, c.g, c.b, 0.0);
     }
-    finish(push.statusSlot, count > uint(kSpheresOfRow) ? kFaultLoop : 0u);
+    finish(push.statusSlot, count > uint(kSpheresOfRow) || lightCount > uint(kSphereLights) ? kFaultLoop : 0u);
 }

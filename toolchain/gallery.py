@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """The gallery of the lecture notes: renders the rows of scenes/gallery.txt and writes a page that opens from disk, with picture, scene file, passes, time and error.
 
-usage: gallery.py PLUMB OUT [--size WxH] [--sheet FILE.png]
+usage: gallery.py PLUMB OUT [--size WxH] [--sheet FILE.png]     --size: of all pictures but those of the notes' viewer, of which a unit is a pixel
        gallery.py --check       every row that docs/notes-coverage.md marks drawn has a picture, every picture's rows are marked, every scene is there
 
 Times are of one run each and no measurement: the first picture of a shader holds its compilation. A picture without a truth says why.
@@ -78,10 +78,16 @@ def call(plumb, words):
     return subprocess.run([plumb, *words], cwd=ROOT, capture_output=True, text=True, stdin=subprocess.DEVNULL)
 
 
+def has_notes_viewer(scene):
+    """Of such a scene a unit is a pixel: another size would show a part of it."""
+    with open(os.path.join(ROOT, scene), encoding="utf-8") as file:
+        return re.search(r"^distance\s*=", file.read(), re.M) is not None
+
+
 def render(plumb, arguments, path, size):
     """(report, why there is no error or None). Raises RuntimeError with the command's own line."""
     words = ["render", *arguments, "-o", path, "--json", "-q"]
-    if size:
+    if size and not has_notes_viewer(arguments[0]):
         if "--size" in words:
             at = words.index("--size")
             words[at + 1] = size
@@ -113,7 +119,8 @@ def error_text(report, why):
     error = report.get("error")
     if not error:
         return "no truth: " + why
-    text = f"error against the truth in steps of 1/255: max {error['max']:.1f}, rms {error['rms']:.3f}"
+    steps = 255  # the report counts in shares of full scale
+    text = f"error against the truth in steps of 1/255: max {steps * error['max']:.1f}, rms {steps * error['rms']:.3f}"
     if error["wrongPrimitiveShare"] is not None and error["wrongPrimitive"]:
         text += f", wrong face in {100 * error['wrongPrimitiveShare']:.2f} % of the pixels"
     return text
@@ -151,7 +158,7 @@ def article(picture, results, apart, known):
     between = ""
     if apart:
         flip = f", FLIP {apart['flip']:.4f}" if apart["flip"] is not None else ""
-        between = f"<p class=\"dim\">between the two (plumb diff): {100 * apart['differing']:.2f} % of the pixels differ, max {apart['max']:g}, rmse {apart['rmse']:.3f}{flip}</p>"
+        between = f"<p class=\"dim\">between the two (plumb diff): {100 * apart['differing']:.2f} % of the pixels differ, max {255 * apart['max']:.1f}, rms {255 * apart['rmse']:.3f} steps of 1/255{flip}</p>"
     pair, body_class = (" class=\"pair\"", "two") if len(results) == 2 else ("", "one")
     return (f"<article{pair} id=\"{picture.name}\"><h2>{html.escape(picture.caption)}</h2><p class=\"dim\">{html.escape(rows)}</p>"
             f"<div class=\"{body_class}\">{body}</div>{between}</article>")
@@ -175,7 +182,7 @@ def make(plumb, out, size, sheet):
         apart = difference(plumb, *files) if len(results) == 2 else None
         articles.append(article(picture, results, apart, known))
         summary.append({"name": picture.name, "rows": picture.rows, "between": apart,
-                        "pictures": [{"file": f + ".png", "arguments": a, "passes": r["plan"]["passes"], "time_ms": r["time_ms"], "counters": r["counters"],
+                        "pictures": [{"file": f + ".png", "arguments": a, "passes": r["plan"]["passes"], "time_ms": r["time_ms"], "image": r["image"], "counters": r["counters"],
                                       "error": r.get("error"), "why": why} for f, a, (r, why) in zip(picture.files(), picture.runs, results)]})
         print(f"{picture.name}: {'; '.join(error_text(*result) for result in results)}", flush=True)
     rows = sorted({n for p in pictures() for n in p.rows})
@@ -183,7 +190,7 @@ def make(plumb, out, size, sheet):
             "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src 'self' file:; style-src 'unsafe-inline'\">"
             f"<title>Plumbline: gallery of the lecture notes</title><style>{STYLE}</style></head><body><h1>Gallery of the lecture notes, parts 1 to 3</h1>"
             f"<p>{len(cells)} pictures of {len(rows)} systems, drawn by {html.escape(device)} from the committed scene files by <code>toolchain/gallery.sh</code>. A time is that of one run and no "
-            "measurement: where a shader is compiled for the first time, it is in it.</p>"
+            "measurement: where a shader is compiled for the first time, it is in it. The truth is Phong shading with perspective in binary64, whatever the picture's own shading is.</p>"
             f"<main>{''.join(articles)}</main></body></html>\n")
     with open(os.path.join(out, "index.html"), "w", encoding="utf-8") as file:
         file.write(page)

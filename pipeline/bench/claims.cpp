@@ -4,6 +4,7 @@
 #include "host/error.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -81,6 +82,16 @@ ClaimTable fillingIsExpensive(Device& device, const Scene& scene, const ClaimOpt
     return table;
 }
 
+// Of triangles, each once; generated meshes have no list of their own.
+std::vector<std::pair<uint32_t, uint32_t>> edgesOf(const TriangleMesh& mesh) {
+    std::vector<std::pair<uint32_t, uint32_t>> edges;
+    for (const TriangleMesh::Triangle& t : mesh.triangles)
+        for (size_t i = 0; i < 3; ++i) edges.push_back(std::minmax({t.vertex[i], t.vertex[(i + 1) % 3]}));
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
+}
+
 // P7, section 3: lines stay lines, so two projections draw an edge.
 class EdgePainter {
 public:
@@ -95,8 +106,8 @@ public:
                 const glm::dvec3 p = glm::dvec3(object.worldFromObject * glm::dvec4(mesh.positions[v], 1)) - c.eye;
                 return glm::dvec3(glm::dot(c.right, p), -glm::dot(c.up, p), glm::dot(c.forward, p));
             };
-            for (const glm::uvec2& e : mesh.edges) {
-                const std::array ends = {viewOf(e.x), viewOf(e.y)};
+            for (const auto& e : edgesOf(mesh)) {
+                const std::array ends = {viewOf(e.first), viewOf(e.second)};
                 if (ends[0].z > 0 && ends[1].z > 0) edges_.push_back(ends);
             }
         }
@@ -170,6 +181,8 @@ ClaimTable linesStayLines(const Scene& scene, const ClaimOptions& options) {
          {},
          {}});
     takeTurns(table, {[&] { painter.byEndPoints(); }, [&] { painter.byEveryPoint(); }}, options);
+    if (table.ways[0].counts[2].second == 0 || table.ways[1].counts[2].second == 0)
+        table.failure = "no pixel was painted";
     if (table.ways[0].counts[1].second != 2 * painter.edges())
         table.failure = "end points: not two projections an edge";
     if (table.ways[1].counts[1].second < table.ways[0].counts[1].second)

@@ -7,6 +7,7 @@
 #include "pipeline/scene/text.h"
 
 #include "pipeline/passes/encode.h"
+#include "shaders/shared/spheres.h"
 
 #include <algorithm>
 #include <cmath>
@@ -281,6 +282,7 @@ void checkSpheres(const Scene& scene, const RenderRequest& request) {
     if (request.shading != Shading::phong) throw usageError("--fill notes illuminates spheres at each pixel: --shading phong");
     if (request.samples != 1) throw usageError("--fill notes draws one sample a pixel: leave --samples out");
     if (!scene.objects.empty()) throw inputError(scene.path, "it has meshes beside spheres; --fill notes draws spheres in parallel projection and meshes in perspective, so not both");
+    if (scene.lights.size() > size_t(gpu::kSphereLights)) throw inputError(scene.path, fmt::format("{} lights; --fill notes draws spheres under at most {}", scene.lights.size(), gpu::kSphereLights));
     if (!(scene.camera->focalPixels > 0)) throw inputError(scene.path, "--fill notes draws spheres for the viewer of camera.distance, a pixel a unit");
 }
 

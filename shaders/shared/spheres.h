@@ -13,7 +13,8 @@
 SHARED_BEGIN
 
 SHARED_CONST int kSphereReach = 4096;    // r^2 <= 2^24 is exact as a float
-SHARED_CONST int kSpheresOfRow = 50000;  // an invocation may loop 65,535 times
+SHARED_CONST int kSpheresOfRow = 50000;        // an invocation may loop 65,535 times, spheres and lights together
+SHARED_CONST int kSphereLights = 10000;
 SHARED_CONST uint kNoSphere = 0xffffffffu;
 SHARED_CONST float kSphereFarthest = 3.0e38f;  // beyond every depth
 

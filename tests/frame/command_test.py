@@ -508,6 +508,7 @@ class Bench(Command):
         counts = {(claim, way["name"]): way["counts"] for claim, table in tables.items() for way in table["ways"]}
         ends = counts["P7", "end points, then 2-D lines"]
         self.assertEqual(ends["projections"], 2 * ends["edges"])
+        self.assertGreater(ends["edges"], 1000)
         self.assertGreater(counts["P7", "every point"]["projections"], ends["projections"])
         culled, all_ = counts["P8", "culled"], counts["P8", "not culled"]
         self.assertGreater(2 * culled["back-facing"], culled["triangles"])

@@ -216,6 +216,8 @@ TEST(SpheresOracle, WhatCannotBeDrawnIsRefusedBySentence) {
               "spheres: --fill notes draws spheres for the viewer of camera.distance, a pixel a unit");
     EXPECT_EQ(refusalOf(with([](Scene& s) { s.planes.push_back({}); }), request, Exit::input),
               "spheres: it has spheres or planes, which only --shading ray draws, spheres --fill notes too");
+    EXPECT_EQ(refusalOf(with([](Scene& s) { s.lights.resize(10001); }), request, Exit::input),
+              "spheres: 10001 lights; --fill notes draws spheres under at most 10000");
     RenderRequest other = request;
     other.shading = Shading::gouraud;
     EXPECT_EQ(refusalOf(with([](Scene&) {}), other, Exit::usage),
