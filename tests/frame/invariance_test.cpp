@@ -3,6 +3,7 @@
 // cannot change the picture.
 #include "host/error.h"
 #include "pipeline/render/bound.h"
+#include "shaders/shared/shade.h"
 #include "tests/support/compare.h"
 #include "tests/support/device_fixture.h"
 #include "tests/support/scenes.h"
