@@ -44,7 +44,8 @@ Scene spheresOverBoard(uint32_t count) {
     const uint32_t dark = addMaterial(scene, glm::vec3(0.15f), 0.1f), light = addMaterial(scene, glm::vec3(0.9f), 0.1f);
     const uint32_t columns = count > 4 ? 5 : count;
     for (uint32_t i = 0; i < count; ++i) {
-        const double x = (double(i % columns) - (columns - 1) / 2.0) * 2.2, z = -double(i / columns) * 2.2;
+        const uint32_t column = i % columns, row = i / columns;
+        const double x = (column - (columns - 1) / 2.0) * 2.2, z = row * -2.2;
         scene.spheres.push_back({"", {x, 1, z}, 1, colours[i % 4]});
     }
     PlaneShape board;

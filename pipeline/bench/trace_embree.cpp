@@ -24,22 +24,22 @@ struct Embree {
         whole = whole && address != nullptr;
         return reinterpret_cast<Function>(address);
     }
-#define PLUMB_RTC(name) decltype(&rtc##name) name = find<decltype(&rtc##name)>("rtc" #name)
-    PLUMB_RTC(NewDevice);
-    PLUMB_RTC(ReleaseDevice);
-    PLUMB_RTC(GetDeviceError);
-    PLUMB_RTC(NewScene);
-    PLUMB_RTC(ReleaseScene);
-    PLUMB_RTC(SetSceneFlags);
-    PLUMB_RTC(SetSceneBuildQuality);
-    PLUMB_RTC(CommitScene);
-    PLUMB_RTC(NewGeometry);
-    PLUMB_RTC(SetNewGeometryBuffer);
-    PLUMB_RTC(CommitGeometry);
-    PLUMB_RTC(AttachGeometry);
-    PLUMB_RTC(ReleaseGeometry);
-    PLUMB_RTC(Intersect1);
-#undef PLUMB_RTC
+    decltype(&rtcNewDevice) newDevice = find<decltype(&rtcNewDevice)>("rtcNewDevice");
+    decltype(&rtcReleaseDevice) releaseDevice = find<decltype(&rtcReleaseDevice)>("rtcReleaseDevice");
+    decltype(&rtcGetDeviceError) getDeviceError = find<decltype(&rtcGetDeviceError)>("rtcGetDeviceError");
+    decltype(&rtcNewScene) newScene = find<decltype(&rtcNewScene)>("rtcNewScene");
+    decltype(&rtcReleaseScene) releaseScene = find<decltype(&rtcReleaseScene)>("rtcReleaseScene");
+    decltype(&rtcSetSceneFlags) setSceneFlags = find<decltype(&rtcSetSceneFlags)>("rtcSetSceneFlags");
+    decltype(&rtcSetSceneBuildQuality) setSceneBuildQuality =
+        find<decltype(&rtcSetSceneBuildQuality)>("rtcSetSceneBuildQuality");
+    decltype(&rtcCommitScene) commitScene = find<decltype(&rtcCommitScene)>("rtcCommitScene");
+    decltype(&rtcNewGeometry) newGeometry = find<decltype(&rtcNewGeometry)>("rtcNewGeometry");
+    decltype(&rtcSetNewGeometryBuffer) setNewGeometryBuffer =
+        find<decltype(&rtcSetNewGeometryBuffer)>("rtcSetNewGeometryBuffer");
+    decltype(&rtcCommitGeometry) commitGeometry = find<decltype(&rtcCommitGeometry)>("rtcCommitGeometry");
+    decltype(&rtcAttachGeometry) attachGeometry = find<decltype(&rtcAttachGeometry)>("rtcAttachGeometry");
+    decltype(&rtcReleaseGeometry) releaseGeometry = find<decltype(&rtcReleaseGeometry)>("rtcReleaseGeometry");
+    decltype(&rtcIntersect1) intersect1 = find<decltype(&rtcIntersect1)>("rtcIntersect1");
 };
 const Embree& rtc() {
     static const Embree kOne;
@@ -49,34 +49,34 @@ const Embree& rtc() {
 }  // namespace
 
 struct EmbreeScene::Impl {
-    RTCDevice device = rtc().NewDevice(nullptr);
-    RTCScene scene = rtc().NewScene(device);
+    RTCDevice device = rtc().newDevice(nullptr);
+    RTCScene scene = rtc().newScene(device);
     Impl() = default;
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
     ~Impl() {
-        rtc().ReleaseScene(scene);
-        rtc().ReleaseDevice(device);
+        rtc().releaseScene(scene);
+        rtc().releaseDevice(device);
     }
 };
 
 EmbreeScene::EmbreeScene(const TraceScene& from, bool robust) : impl_(std::make_unique<Impl>()) {
-    rtc().SetSceneFlags(impl_->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-    rtc().SetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
-    RTCGeometry mesh = rtc().NewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtc().setSceneFlags(impl_->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    rtc().setSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
+    RTCGeometry mesh = rtc().newGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* corners = static_cast<float*>(
-        rtc().SetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, from.corners.size() / 2));
+        rtc().setNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, from.corners.size() / 2));
     auto* triangles = static_cast<uint32_t*>(
-        rtc().SetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, from.triangles.size() / 2));
+        rtc().setNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, from.triangles.size() / 2));
     for (size_t i = 0; i < from.corners.size() / 2; ++i)
         for (int k = 0; k < 3; ++k) corners[3 * i + size_t(k)] = from.corners[2 * i][k];
     for (size_t i = 0; i < from.triangles.size() / 2; ++i)
         for (int k = 0; k < 3; ++k) triangles[3 * i + size_t(k)] = from.triangles[2 * i][k];
-    rtc().CommitGeometry(mesh);
-    rtc().AttachGeometry(impl_->scene, mesh);
-    rtc().ReleaseGeometry(mesh);
-    rtc().CommitScene(impl_->scene);
-    if (rtc().GetDeviceError(impl_->device) != RTC_ERROR_NONE)
+    rtc().commitGeometry(mesh);
+    rtc().attachGeometry(impl_->scene, mesh);
+    rtc().releaseGeometry(mesh);
+    rtc().commitScene(impl_->scene);
+    if (rtc().getDeviceError(impl_->device) != RTC_ERROR_NONE)
         throw renderError("Embree refuses the mesh of the benchmark");
 }
 EmbreeScene::~EmbreeScene() = default;
@@ -98,7 +98,7 @@ void EmbreeScene::primaryRays(const gpu::TracePush& push, uint32_t height, std::
                 ray.ray.tfar = gpu::kFarthestHit;
                 ray.ray.mask = ~0u;
                 ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-                rtc().Intersect1(impl_->scene, &context, &ray);
+                rtc().intersect1(impl_->scene, &context, &ray);
                 triangle[y * push.width + x] =
                     ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? gpu::kNoObject : ray.hit.primID;
             }

@@ -128,7 +128,7 @@ PLUMB_CLONES void rows(const gpu::TracePush& push, const TraceScene& scene, uint
             bool any = false;
             const vec3 c = path(push, scene, vec3(0), d, any);
             uint32_t word = any ? 0xff000000u : 0;
-            for (int k = 0; k < 3; ++k) word |= uint32_t(std::min(std::max(c[k], 0.0f), 1.0f) * 255 + 0.5f) << (8 * k);
+            for (int k = 0; k < 3; ++k) word |= uint32_t(std::nearbyint(std::min(std::max(c[k], 0.0f), 1.0f) * 255)) << (8 * k);
             rgba[size_t(y) * push.width + x] = word;
         }
 }
