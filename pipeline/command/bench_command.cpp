@@ -130,7 +130,7 @@ Exit benchPassesCommand(const Options& options, Renderer& renderer, std::vector<
         progress.update(done);
     };
     const bool text = !options.json || !options.jsonFile.empty();
-    Json json = contextJson(renderer);
+    Json json = benchContextJson(renderer);
     json["bench"] = "passes";
     json["rows"] = Json::array();
     if (text) printData(fmt::format("{}\n{}x{}; {} pictures, median [10 %..90 %]\n{:<14} {:>9} {:>6} {:>9}\n", printable(renderer.name()), raster.width, raster.height, raster.pairs, "row", "triangles", "lights", "ms"));
@@ -284,7 +284,7 @@ Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::v
     progress.clear();
     renderer.checkValidation();
     const bool text = !options.json || !options.jsonFile.empty();
-    Json json = contextJson(renderer);
+    Json json = benchContextJson(renderer);
     json["bench"] = "claims";
     json["row"] = row;
     json["size"] = {claims.width, claims.height};

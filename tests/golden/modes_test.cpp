@@ -85,7 +85,7 @@ TEST(Modes, PointsInsideAnEdgeProjectOntoTheLineButNotAtTheSameShare) {
         const std::vector<glm::vec4> points = {glm::vec4(a, 1), glm::vec4(b, 1), glm::vec4(a + (b - a) * share, 1)};
         std::vector<gpu::ScreenVertex> screen(3);
         std::vector<glm::vec4> none(3);
-        transformCpu({0, 0, 3, 0, p.list.viewport}, false, points, none, p.list.objects, screen, none, 1);
+        transformCpu({0, 0, 3, 0, p.list.viewport}, Normals::none, points, none, p.list.objects, screen, none, 1);
         for (const gpu::ScreenVertex& v : screen) ASSERT_EQ(v.outcode, 0u);
         const dvec2 from(screen[0].x, screen[0].y), along = dvec2(screen[1].x, screen[1].y) - from,
                                                     to = dvec2(screen[2].x, screen[2].y) - from;
