@@ -37,7 +37,7 @@ ROOMS = {
                          ["png", "exr", "fmt"]),
     "pipeline/report": (["pipeline/report", "pipeline/image", "host/error.h"], ["json"]),
     "pipeline/cli": (["pipeline/cli", "pipeline/scene", "host/error.h"], ["cli", "glm", "fmt"]),
-    "pipeline/bench": (["pipeline/bench", "pipeline/render", "pipeline/passes", "pipeline/scene", "host", "shaders/shared", "spirv", "bench_spirv"],
+    "pipeline/bench": (["pipeline/bench", "pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv", "bench_spirv"],
                        ["glm", "fmt", "eigen", "embree"]),
     "pipeline/command": (["pipeline", "host"], ["cli", "glm", "fmt", "json"]),
     "examples": (["plumbline"], ["glm"]),

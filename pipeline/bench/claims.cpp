@@ -23,24 +23,6 @@ double msOf(const std::function<void()>& work) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Every way once a round, a different one first each time: who comes second finds the caches of the other.
-void takeTurns(ClaimTable& table, const std::vector<std::function<void()>>& works, const ClaimOptions& options) {
-    PLUMB_ASSERT(works.size() == table.ways.size() && options.rounds >= 3);
-    std::vector<std::vector<double>> ms(works.size());
-    for (uint32_t round = 0; round < kWarmRounds + options.rounds; ++round) {
-        if (options.onProgress) options.onProgress(double(round) / (kWarmRounds + options.rounds));
-        for (size_t i = 0; i < works.size(); ++i) {
-            const size_t way = (i + round) % works.size();
-            const double time = msOf(works[way]);
-            if (round >= kWarmRounds) ms[way].push_back(time);
-        }
-    }
-    for (size_t i = 0; i < works.size(); ++i) {
-        table.ways[i].ms = spreadOf(ms[i]);
-        table.ways[i].ratio = ratioOf(ms[i], ms[0]);
-    }
-}
-
 RenderRequest requestOf(Shading shading, const ClaimOptions& options) {
     RenderRequest request;
     request.width = options.width;
@@ -253,6 +235,24 @@ ClaimTable shadingCosts(Device& device, const Scene& scene, const ClaimOptions& 
 }
 
 }  // namespace
+
+// Every way once a round, a different one first each time: who comes second finds the caches of the other.
+void takeTurns(ClaimTable& table, const std::vector<std::function<void()>>& works, const ClaimOptions& options) {
+    PLUMB_ASSERT(works.size() == table.ways.size() && options.rounds >= 3);
+    std::vector<std::vector<double>> ms(works.size());
+    for (uint32_t round = 0; round < kWarmRounds + options.rounds; ++round) {
+        if (options.onProgress) options.onProgress(double(round) / (kWarmRounds + options.rounds));
+        for (size_t i = 0; i < works.size(); ++i) {
+            const size_t way = (i + round) % works.size();
+            const double time = msOf(works[way]);
+            if (round >= kWarmRounds) ms[way].push_back(time);
+        }
+    }
+    for (size_t i = 0; i < works.size(); ++i) {
+        table.ways[i].ms = spreadOf(ms[i]);
+        table.ways[i].ratio = ratioOf(ms[i], ms[0]);
+    }
+}
 
 std::vector<ClaimTable> benchClaims(Device& device, const Scene& scene, const ClaimOptions& options) {
     return {fillingIsExpensive(device, scene, options), linesStayLines(scene, options),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The performance claims P6 to P9 of the lecture notes as tables: what is counted, and what it costs on a device here. Ways of a table take turns.
+// The performance claims P1 to P4 and P6 to P9 of the lecture notes as tables: what is counted, and what it costs on a device here. Ways of a table take turns.
 #pragma once
 
 #include "pipeline/bench/statistics.h"
@@ -34,7 +34,12 @@ struct ClaimOptions {
     std::function<void(double)> onProgress;  // 0..1; may throw
 };
 
-// `scene` is complete (camera, lights) and holds one closed convex mesh, which P8 is about.
+// Runs the ways of a table in turn, a different one first each round, and fills in their times and ratios.
+void takeTurns(ClaimTable& table, const std::vector<std::function<void()>>& works, const ClaimOptions& options);
+
+// P1 to P4, on points of their own.
+std::vector<ClaimTable> benchTransformClaims(Device& device, const ClaimOptions& options);
+// P6 to P9. `scene` is complete (camera, lights) and holds one closed convex mesh, which P8 is about.
 std::vector<ClaimTable> benchClaims(Device& device, const Scene& scene, const ClaimOptions& options);
 
 }  // namespace plumb

@@ -417,7 +417,7 @@ const std::vector<CommandRow> kCommands = {
      "passes: the passes alone, also with lightsN (1 to 64 lights), for how their cost grows. "
      "matrix: vertices by one matrix and by seven, and products of chains, on the device, by the twin and by the libraries that were found, beside the bandwidth of the memory. "
      "ROW is a count, e.g. 1e6; 1e3 to 1e7 without a ROW. "
-     "claims: P6 to P9 of the lecture notes (what filling, projecting, culling and shading cost), counted and timed; ROW is sphereN, sphere1e4 without; exit 1 when a count disagrees. "
+     "claims: P1 to P4 and P6 to P9 of the lecture notes (what transforming, filling, projecting, culling and shading cost), counted and timed; ROW is sphereN, sphere1e4 without; exit 1 when a count disagrees. "
      "trace: rays on the device against the same algorithm in plain C++ (spheres4, spheres20: mirrors over a board, depth 5) and primary rays against Embree where the build found it "
      "(mesh1e5, mesh1e6). Medians with the 10th and 90th percentile; times are never judged.",
      {{{"plumb bench raster", "the generated meshes at 1920x1080"},

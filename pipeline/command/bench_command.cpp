@@ -280,7 +280,8 @@ Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::v
     if (rows.size() > 1 || !row.starts_with("sphere")) throw usageError("bench claims takes one closed convex mesh: sphereN, N from 1e3 to 1e7");
     const Scene scene = sceneOf(row, {claims.width, claims.height}, options);
     progress.begin("bench claims");
-    const std::vector<ClaimTable> tables = benchClaims(*renderer.device(), scene, claims);
+    std::vector<ClaimTable> tables = benchTransformClaims(*renderer.device(), claims);
+    for (ClaimTable& table : benchClaims(*renderer.device(), scene, claims)) tables.push_back(std::move(table));
     progress.clear();
     renderer.checkValidation();
     const bool text = !options.json || !options.jsonFile.empty();

@@ -498,7 +498,7 @@ class Bench(Command):
     def test_claims_are_counted_and_timed(self):
         done = self.expect(0, "bench", "claims", "sphere1e3", "--size", "96x72", "--repeat", "3", "--json")
         tables = {t["claim"]: t for t in json.loads(done.stdout)["tables"]}
-        self.assertEqual(sorted(tables), ["P6", "P7", "P8", "P9"])
+        self.assertEqual(sorted(tables), ["P1", "P2", "P3", "P4", "P6", "P7", "P8", "P9"])
         for table in tables.values():
             self.assertEqual(table["failure"], "")
             for way in table["ways"]:
@@ -506,6 +506,13 @@ class Bench(Command):
                 self.assertGreater(way["ms"]["least"], 0)
             self.assertEqual(table["ways"][0]["ratio"]["median"], 1)
         counts = {(claim, way["name"]): way["counts"] for claim, table in tables.items() for way in table["ways"]}
+        self.assertEqual(counts["P1", "device"]["equations of 1000 vertices"], 3000)
+        self.assertEqual(counts["P2", "step by step"], {"applications": 30000, "products": 0})
+        self.assertEqual(counts["P2", "one composite"], {"applications": 10000, "products": 2})
+        self.assertEqual(counts["P3", "step by step"]["applications"], 7000)
+        self.assertEqual(counts["P3", "one composite"], {"applications": 1000, "products": 6})
+        self.assertEqual(counts["P4", "one after another"], {"products": 6, "waiting": 6})
+        self.assertEqual(counts["P4", "tree"], {"products": 6, "waiting": 3})
         ends = counts["P7", "end points, then 2-D lines"]
         self.assertEqual(ends["projections"], 2 * ends["edges"])
         self.assertGreater(ends["edges"], 1000)
