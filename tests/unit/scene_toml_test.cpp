@@ -93,6 +93,17 @@ TEST(SceneToml, HexColoursAreSrgb) {
     EXPECT_EQ(m.ambient, glm::vec3(0.5f)) << "a number is linear grey";
 }
 
+// Light is three numbers. A file that asks for a wavelength or a number of lumens is refused rather than given another light.
+TEST(SceneToml, NoSpectrumIsModelled) {
+    const TemporaryFolder folder;
+    const std::string light = "[[light]]\ndirection = [0, 0, 1]\n";
+    EXPECT_NE(refusal(folder, light + "wavelength = 555\n" + kTriangle).find("unknown key 'wavelength' in [[light]]"), std::string::npos);
+    EXPECT_NE(refusal(folder, light + "lumens = 800\n" + kTriangle).find("unknown key 'lumens' in [[light]]"), std::string::npos);
+    // Yellow has no place of its own in it: red and green are yellow.
+    const Scene scene = load("[[material]]\nname = 'm'\ndiffuse = '#ffff00'\n" + kTriangle);
+    EXPECT_EQ(scene.materials.at(1).diffuse, glm::vec3(1, 1, 0));
+}
+
 TEST(SceneToml, InksAreWhatTheyLeaveOfTheEncodedColour) {
     const auto diffuse = [](const std::string& colour) { return load("[[material]]\nname = 'm'\ndiffuse = " + colour + "\n" + kTriangle).materials.at(1).diffuse; };
     EXPECT_EQ(diffuse("{ cmy = [1, 0, 0] }"), diffuse("'#00ffff'"));
