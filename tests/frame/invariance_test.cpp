@@ -495,6 +495,7 @@ TEST_P(Committed, PassesVerify) {
         request.width = size.x;
         request.height = size.y;
         request.shading = scene.shading.value_or(Shading::phong);
+        request.fill = scene.fill.value_or(Fill::exact);
         const VerifyReport report = verifyRender(device(), scene, request);
         for (const Mismatch& m : report.mismatches) ADD_FAILURE() << m.pass << (m.chain ? " (chain): " : ": ") << m.what;
         EXPECT_TRUE(report.equal);
