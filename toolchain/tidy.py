@@ -3,7 +3,7 @@
 """clang-tidy over our own translation units of a Ninja build tree, in parallel. A unit that was clean is not judged again until it, a file it
 includes, its flags or .clang-tidy changes.
 
-usage: tidy.py BUILD [JOBS] [SOURCE...]
+usage: tidy.py BUILD [JOBS] [SOURCE...]    SOURCE: a file, or a folder with all below it
 """
 import concurrent.futures
 import hashlib
@@ -79,13 +79,18 @@ def main():
     build = os.path.abspath(sys.argv[1])
     jobs = int(sys.argv[2]) if len(sys.argv) > 2 else os.cpu_count()
     only = [os.path.abspath(path) for path in sys.argv[3:]]
+    wrong = [path for path in only if not os.path.exists(path)]
+    if wrong:
+        print(f"tidy.py: {wrong[0]} is not there")
+        return 2
     stamps = os.path.join(build, "tidy")
     os.makedirs(stamps, exist_ok=True)
     files, todo = included(build), []
-    everything = units(build)
+    everything, chosen = units(build), 0
     for output, (source, arguments) in sorted(everything.items()):
-        if only and source not in only:
+        if only and not any(source == path or source.startswith(path + os.sep) for path in only):
             continue
+        chosen += 1
         stamp = os.path.join(stamps, key_of(source, arguments, files.get(output, [])))
         if not os.path.exists(stamp):
             todo.append((source, arguments, stamp))
@@ -97,8 +102,8 @@ def main():
                 print(f"{inside(source)}:\n{text}", flush=True)
             else:
                 open(stamp, "w").close()
-    print(f"tidy: {len(everything)} units, {len(todo)} judged now, {faulty} with faults")
-    return 1 if faulty or not everything else 0
+    print(f"tidy: {chosen} of {len(everything)} units, {len(todo)} judged now, {faulty} with faults")
+    return 1 if faulty or not chosen else 0
 
 
 if __name__ == "__main__":
