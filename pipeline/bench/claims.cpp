@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -16,12 +15,6 @@ namespace plumb {
 namespace {
 
 constexpr uint32_t kWarmRounds = 2;
-
-double msOf(const std::function<void()>& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 RenderRequest requestOf(Shading shading, const ClaimOptions& options) {
     RenderRequest request;

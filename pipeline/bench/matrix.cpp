@@ -6,7 +6,6 @@
 #include "pipeline/passes/parallel.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
@@ -54,12 +53,6 @@ struct Way {
     std::vector<double> ms;
     uint64_t products = 0, steps = 0;
 };
-
-double msOf(const std::function<void()>& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 // Every round runs every way and the bandwidth once.
 void measure(MatrixTable& table, std::vector<Way>& ways, const std::function<void()>& memory, double memoryBytes, const MatrixOptions& options) {

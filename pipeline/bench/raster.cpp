@@ -5,7 +5,6 @@
 #include "pipeline/bench/agreement.h"
 #include "pipeline/render/prepare.h"
 
-#include <chrono>
 #include <cstring>
 #include <fmt/format.h>
 
@@ -98,12 +97,6 @@ private:
     std::vector<GraphicsDraw> draws_;
     uint32_t filled_ = 0;
 };
-
-double msOf(const std::function<void()>& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 RenderRequest requestOf(const RasterOptions& options) {
     RenderRequest request;

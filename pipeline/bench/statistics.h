@@ -5,11 +5,20 @@
 #include "host/error.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace plumb {
+
+// Wall time of one call.
+inline double msOf(const std::function<void()>& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
 
 struct Spread {
     double median = 0, p10 = 0, p90 = 0, least = 0;

@@ -7,19 +7,12 @@
 #include "pipeline/render/trace_frame.h"
 
 #include <fmt/format.h>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 
 namespace plumb {
 
 namespace {
-
-double msOf(const std::function<void()>& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 uint32_t addMaterial(Scene& scene, const glm::vec3& colour, float reflect) {
     Material m;

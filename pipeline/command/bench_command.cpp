@@ -125,10 +125,7 @@ Exit benchPassesCommand(const Options& options, Renderer& renderer, std::vector<
     if (rows.empty()) rows = benchSceneNames();
     RasterOptions raster = rasterOptionsOf(options);
     Progress progress(options.progress, options.quiet);
-    raster.onProgress = [&progress](double done) {
-        stopIfInterrupted();
-        progress.update(done);
-    };
+    raster.onProgress = tellAndListen(progress);
     const bool text = !options.json || !options.jsonFile.empty();
     Json json = benchContextJson(renderer);
     json["bench"] = "passes";
@@ -151,10 +148,7 @@ Exit benchRasterCommand(const Options& options, Renderer& renderer, std::vector<
     if (rows.empty()) rows = benchSceneNames();
     RasterOptions raster = rasterOptionsOf(options);
     Progress progress(options.progress, options.quiet);
-    raster.onProgress = [&progress](double done) {
-        stopIfInterrupted();
-        progress.update(done);
-    };
+    raster.onProgress = tellAndListen(progress);
     const bool text = !options.json || !options.jsonFile.empty();
     Json json = benchContextJson(renderer);
     json["bench"] = "raster";
@@ -202,10 +196,7 @@ Exit benchMatrixCommand(const Options& options, Renderer& renderer, const std::v
     MatrixOptions matrix;
     matrix.threads = options.threads;
     matrix.watchdogMs = options.watchdogMs;
-    matrix.onProgress = [&progress](double done) {
-        stopIfInterrupted();
-        progress.update(done);
-    };
+    matrix.onProgress = tellAndListen(progress);
     const bool text = !options.json || !options.jsonFile.empty();
     Json json = benchContextJson(renderer);
     json["bench"] = "matrix";
@@ -272,10 +263,7 @@ Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::v
     claims.rounds = options.pairs;
     claims.watchdogMs = options.watchdogMs;
     Progress progress(options.progress, options.quiet);
-    claims.onProgress = [&progress](double done) {
-        stopIfInterrupted();
-        progress.update(done);
-    };
+    claims.onProgress = tellAndListen(progress);
     const std::string row = rows.empty() ? kClaimScene : rows[0];
     if (rows.size() > 1 || !row.starts_with("sphere")) throw usageError("bench claims takes one closed convex mesh: sphereN, N from 1e3 to 1e7");
     const Scene scene = sceneOf(row, {claims.width, claims.height}, options);

@@ -4,10 +4,13 @@
 
 #include "pipeline/bench/statistics.h"
 #include "pipeline/cli/options.h"
+#include "pipeline/cli/progress.h"
+#include "pipeline/command/interrupt.h"
 #include "pipeline/command/renderer.h"
 #include "pipeline/command/report.h"
 
 #include <cstdlib>
+#include <functional>
 
 namespace plumb {
 
@@ -23,6 +26,14 @@ inline Json benchContextJson(const Renderer& renderer) {
     if (::getloadavg(load, 3) == 3) json["host"]["load"] = {load[0], load[1], load[2]};
     json["device"] = renderer.json();
     return json;
+}
+
+// Of a benchmark that runs: moves the bar, and ends it when interrupted. `progress` must outlive it.
+inline std::function<void(double)> tellAndListen(Progress& progress) {
+    return [&progress](double done) {
+        stopIfInterrupted();
+        progress.update(done);
+    };
 }
 
 Exit benchTraceCommand(const Options& options, Renderer& renderer, std::vector<std::string> rows);

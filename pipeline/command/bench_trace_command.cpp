@@ -57,10 +57,7 @@ Exit benchTraceCommand(const Options& options, Renderer& renderer, std::vector<s
     trace.threads = options.threads;
     trace.watchdogMs = options.watchdogMs;
     Progress progress(options.progress, options.quiet);
-    trace.onProgress = [&progress](double done) {
-        stopIfInterrupted();
-        progress.update(done);
-    };
+    trace.onProgress = tellAndListen(progress);
     const bool text = !options.json || !options.jsonFile.empty();
     Json json = benchContextJson(renderer);
     json["bench"] = "trace";

@@ -36,37 +36,10 @@ void fillBy(Setting& s) {
 
 using Specular = Trade::Specular;
 using Vectors = Trade::Vectors;
-template <Specular value>
-void shine(Setting& s) {
-    s.request.trade.specular = value;
-}
-template <Vectors value>
-void direct(Setting& s) {
-    s.request.trade.vectors = value;
-}
-template <bool value>
-void beAffine(Setting& s) {
-    s.request.trade.affine = value;
-}
-template <uint32_t value>
-void useDepthBits(Setting& s) {
-    s.request.trade.depthBits = value;
-}
-template <uint32_t value>
-void useSubpixelBits(Setting& s) {
-    s.request.trade.subpixelBits = value;
-}
-template <bool value>
-void normalise(Setting& s) {
-    s.request.trade.unitNormals = value;
-}
-template <bool value>
-void shadeCoarsely(Setting& s) {
-    s.request.trade.coarse = value;
-}
-template <bool value>
-void encodeNatively(Setting& s) {
-    s.request.trade.nativeEncode = value;
+// trade<&Trade::member, value>
+template <auto member, auto value>
+void trade(Setting& s) {
+    s.request.trade.*member = value;
 }
 // The only one that there is.
 void keep(Setting&) {}
@@ -87,43 +60,43 @@ const std::vector<Axis> kAxes = {
       {"block-integer", Verdict::bits, nullptr, "there is no block-scaled integer kernel in this version"}}},
     {"subpixel",
      "bits of a vertex below the pixel",
-     {{"8", Verdict::bits, useSubpixelBits<8>, "vertices snapped to 1/256 px: off by 1/512 px at most"},
-      {"4", Verdict::bits, useSubpixelBits<4>, "vertices snapped to 1/16 px: off by 1/32 px at most"}}},
+     {{"8", Verdict::bits, trade<&Trade::subpixelBits, 8>, "vertices snapped to 1/256 px: off by 1/512 px at most"},
+      {"4", Verdict::bits, trade<&Trade::subpixelBits, 4>, "vertices snapped to 1/16 px: off by 1/32 px at most"}}},
     {"fill",
      "which pixels a triangle covers",
      {{"exact", Verdict::bits, fillBy<Fill::exact>, "exact edge values, top-left rule"},
       {"notes", Verdict::bits, fillBy<Fill::notes>, "the lecture notes' fill, against the truth at whole coordinates, which it samples"}}},
     {"interpolation",
      "how attributes run across a triangle",
-     {{"perspective", Verdict::bits, beAffine<false>, "weighted by 1/w"}, {"affine", Verdict::bits, beAffine<true>, "linear on the screen"}}},
+     {{"perspective", Verdict::bits, trade<&Trade::affine, false>, "weighted by 1/w"}, {"affine", Verdict::bits, trade<&Trade::affine, true>, "linear on the screen"}}},
     {"depth",
      "what the Z-buffer holds",
-     {{"reversed-32", Verdict::bits, useDepthBits<32>, "n/w as float32"},
-      {"standard-32", Verdict::bits, useDepthBits<Trade::kStandardDepth>, "1 - n/w as float32, the usual way round: off by less than 2^-24"},
-      {"24", Verdict::bits, useDepthBits<24>, "n/w in fixed point: off by less than 2^-24"},
-      {"16", Verdict::bits, useDepthBits<16>, "n/w in fixed point: off by less than 2^-16"}}},
+     {{"reversed-32", Verdict::bits, trade<&Trade::depthBits, 32>, "n/w as float32"},
+      {"standard-32", Verdict::bits, trade<&Trade::depthBits, Trade::kStandardDepth>, "1 - n/w as float32, the usual way round: off by less than 2^-24"},
+      {"24", Verdict::bits, trade<&Trade::depthBits, 24>, "n/w in fixed point: off by less than 2^-24"},
+      {"16", Verdict::bits, trade<&Trade::depthBits, 16>, "n/w in fixed point: off by less than 2^-16"}}},
     {"normals",
      "length of interpolated normals",
-     {{"normalised", Verdict::bits, normalise<true>, "made unit at every pixel"},
-      {"as-interpolated", Verdict::bits, normalise<false>, "unit at vertices, shorter between them"}}},
+     {{"normalised", Verdict::bits, trade<&Trade::unitNormals, true>, "made unit at every pixel"},
+      {"as-interpolated", Verdict::bits, trade<&Trade::unitNormals, false>, "unit at vertices, shorter between them"}}},
     {"light-vector",
      "where the directions to lights and eye are computed",
-     {{"pixel", Verdict::bits, direct<Vectors::pixel>, "at every pixel"},
+     {{"pixel", Verdict::bits, trade<&Trade::vectors, Vectors::pixel>, "at every pixel"},
       {"vertex", Verdict::bits, nullptr, "only with the colour: shading gouraud"},
       {"face", Verdict::bits, nullptr, "only with the colour: shading flat"},
-      {"scene", Verdict::bits, direct<Vectors::scene>, "one to the eye, and to each light from the framed centre"}}},
+      {"scene", Verdict::bits, trade<&Trade::vectors, Vectors::scene>, "one to the eye, and to each light from the framed centre"}}},
     {"specular",
      "the power of the highlight",
-     {{"exact", Verdict::bits, shine<Specular::exact>, "polynomials of our own"},
-      {"schlick", Verdict::bits, shine<Specular::schlick>, "a quotient: at most 0.2037 above the power for exponents from 1"},
-      {"native", Verdict::bounded, shine<Specular::native>, "the device's own pow: within a bound of the exact one"}}},
+     {{"exact", Verdict::bits, trade<&Trade::specular, Specular::exact>, "polynomials of our own"},
+      {"schlick", Verdict::bits, trade<&Trade::specular, Specular::schlick>, "a quotient: at most 0.2037 above the power for exponents from 1"},
+      {"native", Verdict::bounded, trade<&Trade::specular, Specular::native>, "the device's own pow: within a bound of the exact one"}}},
     {"rate",
      "pixels that are shaded",
-     {{"1", Verdict::bits, shadeCoarsely<false>, "every one"}, {"1/2", Verdict::bits, shadeCoarsely<true>, "one in 2x2, whose colour the others take"}}},
+     {{"1", Verdict::bits, trade<&Trade::coarse, false>, "every one"}, {"1/2", Verdict::bits, trade<&Trade::coarse, true>, "one in 2x2, whose colour the others take"}}},
     {"encode",
      "how light becomes bytes",
-     {{"threshold", Verdict::bits, encodeNatively<false>, "the correctly rounded code, by 255 thresholds"},
-      {"native", Verdict::bounded, encodeNatively<true>, "the device's own pow: at most one code off, next to a tie"}}},
+     {{"threshold", Verdict::bits, trade<&Trade::nativeEncode, false>, "the correctly rounded code, by 255 thresholds"},
+      {"native", Verdict::bounded, trade<&Trade::nativeEncode, true>, "the device's own pow: at most one code off, next to a tie"}}},
     {"encoding",
      "the curve of the bytes",
      {{"srgb", Verdict::bits, encode<Encoding::srgb>, "IEC 61966-2-1"}, {"linear", Verdict::bits, encode<Encoding::linear>, "bytes in proportion to light"}}},
