@@ -363,17 +363,19 @@ DeviceImpl::~DeviceImpl() {
         const std::lock_guard lock(instance->log.mutex);
         instance->log.toStderr = true;
     }
+    for (auto& [key, begun] : making) {
+        try {
+            destroy(begun.get());
+        } catch (const Error&) {  // nobody asked for it
+        }
+    }
     // Work that does not end cannot be cancelled, and its memory cannot be freed under it: leave both behind.
     if (memory) memory->close(hung);
     if (hung) {
         new std::shared_ptr<Instance>(instance);  // leaked on purpose
         return;
     }
-    for (auto& [key, program] : programs) {
-        vk.vkDestroyPipeline(handle, program.pipeline, nullptr);
-        vk.vkDestroyPipelineLayout(handle, program.layout, nullptr);
-        vk.vkDestroyDescriptorSetLayout(handle, program.setLayout, nullptr);
-    }
+    for (const auto& [key, program] : programs) destroy(program);
     if (pipelineCache) vk.vkDestroyPipelineCache(handle, pipelineCache, nullptr);
     vk.vkDestroyDevice(handle, nullptr);
     const std::lock_guard lock(instance->log.mutex);

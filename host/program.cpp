@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Reflection of SPIR-V words and the pipelines made from them.
 // SPIR-V 1.5 specification: 2.3 physical layout, 3.32 instructions, 3.20 decorations.
+#include "host/fold.h"
 #include "host/vulkan.h"
 
 #include <fmt/format.h>
@@ -330,21 +331,42 @@ VkDescriptorType descriptorType(const Module& module, const ReflectedBinding& bi
                                   module.name, binding.binding));
 }
 
+std::string keyOf(const Module& module, const Specialization& constants) {
+    std::string key = fmt::format("{} {} {}", module.name, module.sha256, fmt::ptr(module.words.data()));
+    for (const auto& [id, value] : constants) key += fmt::format(" {}={}", id, value);
+    return key;
+}
+
 }  // namespace
 
 Reflection reflect(const Module& module, const std::map<uint32_t, uint32_t>& constants) {
     return ModuleReader(module, constants).reflection();
 }
 
-Program& DeviceImpl::program(const Module& module, const Specialization& constants) {
-    std::string key = fmt::format("{} {} {}", module.name, module.sha256, fmt::ptr(module.words.data()));
-    for (const auto& [id, value] : constants) key += fmt::format(" {}={}", id, value);
-    if (const auto found = programs.find(key); found != programs.end()) return found->second;
+void DeviceImpl::destroy(const Program& program) const {
+    vk.vkDestroyPipeline(handle, program.pipeline, nullptr);
+    vk.vkDestroyPipelineLayout(handle, program.layout, nullptr);
+    vk.vkDestroyDescriptorSetLayout(handle, program.setLayout, nullptr);
+}
 
+Program& DeviceImpl::program(const Module& module, const Specialization& constants) {
+    const std::string key = keyOf(module, constants);
+    if (const auto found = programs.find(key); found != programs.end()) return found->second;
+    if (auto begun = making.extract(key)) return programs.emplace(key, begun.mapped().get()).first->second;
+    return programs.emplace(key, make(module, constants)).first->second;
+}
+
+void DeviceImpl::prepare(const Module& module, const Specialization& constants) {
+    std::string key = keyOf(module, constants);
+    if (programs.contains(key) || making.contains(key)) return;
+    making.emplace(std::move(key), std::async(std::launch::async, [this, &module, constants] { return make(module, constants); }));
+}
+
+Program DeviceImpl::make(const Module& module, const Specialization& constants) const {
     Specialization all = constants;
-    Program made;
-    made.reflection = reflect(module, constants);
-    const Reflection& r = made.reflection;
+    Program program;
+    program.reflection = reflect(module, constants);
+    const Reflection& r = program.reflection;
     for (const auto& [id, value] : constants)
         if (!std::binary_search(r.specializationIds.begin(), r.specializationIds.end(), id)) {
             std::string has = "none";
@@ -387,23 +409,18 @@ Program& DeviceImpl::program(const Module& module, const Specialization& constan
                                                    : "bindings",
                                           stageBindings[i]));
 
-    // Owned by the map from here on, so a failure below leaks nothing: ~DeviceImpl destroys what was made.
+    // A failure below leaks nothing.
     struct Discard {
-        DeviceImpl& device;
-        const std::string& key;
+        const DeviceImpl& device;
+        Program& program;
         VkShaderModule shader = VK_NULL_HANDLE;
         bool done = false;
         ~Discard() {
             if (shader) device.vk.vkDestroyShaderModule(device.handle, shader, nullptr);
-            if (done) return;
-            Program& p = device.programs.at(key);
-            device.vk.vkDestroyPipelineLayout(device.handle, p.layout, nullptr);
-            device.vk.vkDestroyDescriptorSetLayout(device.handle, p.setLayout, nullptr);
-            device.programs.erase(key);
+            if (!done) device.destroy(program);
         }
     };
-    Program& program = programs.emplace(key, std::move(made)).first->second;
-    Discard discard{*this, key};
+    Discard discard{*this, program};
 
     const VkDescriptorSetLayoutCreateInfo setInfo{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, nullptr, 0,
                                                   uint32_t(bindings.size()), bindings.data()};
@@ -412,8 +429,9 @@ Program& DeviceImpl::program(const Module& module, const Specialization& constan
     const VkPipelineLayoutCreateInfo layoutInfo{
         VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, nullptr, 0, 1, &program.setLayout, 1, &range};
     VK_CHECK(vk.vkCreatePipelineLayout(handle, &layoutInfo, nullptr, &program.layout));
+    const std::vector<uint32_t> words = foldConstants(module, all);
     const VkShaderModuleCreateInfo shaderInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, nullptr, 0,
-                                              module.words.size_bytes(), module.words.data()};
+                                              words.size() * sizeof(uint32_t), words.data()};
     VK_CHECK(vk.vkCreateShaderModule(handle, &shaderInfo, nullptr, &discard.shader));
 
     std::vector<VkSpecializationMapEntry> entries;

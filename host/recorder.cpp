@@ -317,6 +317,8 @@ Recorder::Recorder(Device& device) : impl_(std::make_unique<RecorderImpl>(device
 Recorder::~Recorder() = default;
 Recorder::Recorder(Recorder&&) noexcept = default;
 
+void Recorder::prepare(const Module& module, const Specialization& constants) { impl_->device.prepare(module, constants); }
+
 void Recorder::record(const char* label, const Module& module, uint64_t items, void* push, size_t pushBytes,
                       std::span<const Bound> bindings, const Specialization& constants) {
     RecorderImpl& r = *impl_;

@@ -62,6 +62,9 @@ public:
         static_assert(sizeof(Push) % 4 == 0);
         record(label, module, items, &push, sizeof(Push), {bindings.begin(), bindings.size()}, constants);
     }
+    // Begins to make the pipeline of a later dispatch, with just these constants, on a thread of its own: a driver may take longer for a large
+    // module than for all that comes before it. What goes wrong is thrown by that dispatch. `module` lives as long as the device.
+    void prepare(const Module& module, const Specialization& constants);
     void fill(const char* label, const RawBuffer& buffer, uint32_t word, uint64_t offset = 0, uint64_t bytes = 0);
 
     // Submits what was recorded, waits (time-out `watchdogMs`), checks the status slots, collects the times, and

@@ -11,6 +11,7 @@
 
 #include <volk.h>
 
+#include <future>
 #include <list>
 #include <map>
 #include <memory>
@@ -151,6 +152,7 @@ struct DeviceImpl {
     std::shared_ptr<MemoryPool> memory;
     VkPipelineCache pipelineCache = VK_NULL_HANDLE;
     std::map<std::string, Program> programs;
+    std::map<std::string, std::future<Program>> making;  // begun by prepare() and not asked for yet
     // A fence timed out: work may still run, so nothing that it uses may be destroyed.
     bool hung = false;
 
@@ -161,6 +163,10 @@ struct DeviceImpl {
     // The pipeline of (module, constants), made on first use. Constants of exact.h that are not given follow the
     // self-test. Throws Error(failed) naming the module.
     Program& program(const Module& module, const Specialization& constants);
+    // Begins to make it on a thread of its own. What it throws is thrown by program().
+    void prepare(const Module& module, const Specialization& constants);
+    Program make(const Module& module, const Specialization& constants) const;
+    void destroy(const Program& program) const;
 };
 
 // min(heap, half of MemAvailable, cgroup limits, asked); 0 asked: no wish.

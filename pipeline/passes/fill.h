@@ -67,6 +67,8 @@ struct FillBuffers {
     const Buffer<glm::uvec4>& colours;
     const Buffer<glm::uvec4>& planes;
 };
+// Begins to make the pipeline of a recordFill with these choices.
+void prepareFill(Recorder& recorder, const FillChoices& choices, bool distantViewer, const Specialization& exact);
 void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices& choices, const Specialization& exact,
                 const FillBuffers& buffers, uint32_t firstTile);
 

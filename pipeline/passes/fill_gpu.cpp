@@ -8,8 +8,20 @@
 
 namespace plumb {
 
-void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices& choices, const Specialization& exact,
-                const FillBuffers& b, uint32_t firstTile) {
+namespace {
+
+// Wide triangles need more words than are worth shuffling.
+bool shuffles(const FillChoices& choices) {
+    return !choices.one && choices.subgroupSize >= 8 && choices.subgroupSize <= 64 && !choices.wide;
+}
+
+const Module& moduleOf(const FillChoices& choices) {
+    const bool native = choices.parts.power == gpu::kPowerNative || choices.encoding == gpu::kEncodeNative;
+    if (native) return shuffles(choices) ? spirv::fill_native_shuffle : spirv::fill_native;
+    return shuffles(choices) ? spirv::fill_shuffle : spirv::fill;
+}
+
+Specialization constantsOf(const FillChoices& choices, bool distantViewer, const Specialization& exact) {
     Specialization constants = exact;
     constants[2] = choices.shading;
     constants[3] = choices.parts.diffuse;
@@ -26,24 +38,31 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
     constants[15] = choices.parts.power;
     constants[16] = choices.affine;
     constants[17] = choices.depthBits;
-    constants[18] = push.toward != glm::vec3(0);
+    constants[18] = distantViewer;
     constants[20] = choices.unitNormals;
     constants[21] = choices.coarse;
     constants[24] = choices.lightKinds;
     constants[25] = choices.one;
-    // Wide triangles need more words than are worth shuffling.
-    const bool shuffle = !choices.one && choices.subgroupSize >= 8 && choices.subgroupSize <= 64 && !choices.wide;
-    if (shuffle) constants[14] = choices.subgroupSize;
+    if (shuffles(choices)) constants[14] = choices.subgroupSize;
+    return constants;
+}
+
+}  // namespace
+
+void prepareFill(Recorder& recorder, const FillChoices& choices, bool distantViewer, const Specialization& exact) {
+    recorder.prepare(moduleOf(choices), constantsOf(choices, distantViewer, exact));
+}
+
+void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices& choices, const Specialization& exact,
+                const FillBuffers& b, uint32_t firstTile) {
     const uint64_t tileOffset = uint64_t(firstTile) * sizeof(glm::uvec4);
-    const bool native = choices.parts.power == gpu::kPowerNative || choices.encoding == gpu::kEncodeNative;
-    const auto& words = native ? (shuffle ? spirv::fill_native_shuffle : spirv::fill_native) : (shuffle ? spirv::fill_shuffle : spirv::fill);
-    recorder.dispatch("fill", words, uint64_t(push.tileCount) * 8, push,
+    recorder.dispatch("fill", moduleOf(choices), uint64_t(push.tileCount) * 8, push,
                       {texels(b.draws, View::texelU32x4), texels(b.screen, View::texelU32x4), texels(b.carried, View::texelF32x4),
                        texels(b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
                        texels(b.entries, View::texelU32), texels(b.triangleMaterials, View::texelU32),
                        texels(b.materials, View::texelF32x4), texels(b.lights, View::texelF32x4),
                        texels(b.encodeTable, View::texelU32), storage(b.colours), storage(b.planes)},
-                      constants);
+                      constantsOf(choices, push.toward != glm::vec3(0), exact));
 }
 
 }  // namespace plumb

@@ -71,6 +71,10 @@ RenderResult DeviceRender::draw() {
     uint32_t planes = fillPlanes(p_, request_);
     uint64_t chunk = std::min<uint64_t>(frame_.chunkTriangles(), request_.chunkTriangles ? request_.chunkTriangles : ~uint64_t(0));
     chunk = std::max<uint64_t>(1, std::min<uint64_t>(chunk, list.triangles.size()));
+    if (!list.triangles.empty()) {
+        const uint32_t held = chunk < list.triangles.size() ? planes | gpu::kFillPlaneZ : planes;
+        frame_.prepare(colourChoices(held, false), held);
+    }
     while (!list.triangles.empty()) {
         try {
             drawBands(writer, planes, uint32_t(chunk));
@@ -132,13 +136,17 @@ bool DeviceRender::normalsApart(uint32_t planes) const {
     return (planes & gpu::kFillPlaneNormal) && p_.choices.shading != gpu::kShadingPhong;
 }
 
-void DeviceRender::drawColours(uint32_t planes, bool prior) {
-    frame_.bin();
+FillChoices DeviceRender::colourChoices(uint32_t planes, bool prior) const {
     FillChoices choices = p_.choices;
     choices.write = normalsApart(planes) ? planes & ~gpu::kFillPlaneNormal : planes;
     choices.prior = prior;
     choices.colour = p_.side == 1;
-    frame_.fill(choices);
+    return choices;
+}
+
+void DeviceRender::drawColours(uint32_t planes, bool prior) {
+    frame_.bin();
+    frame_.fill(colourChoices(planes, prior));
 }
 
 void DeviceRender::drawNormals(uint32_t planes, bool prior) {

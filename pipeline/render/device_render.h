@@ -32,6 +32,7 @@ private:
 
     bool normalsApart(uint32_t planes) const;
 
+    FillChoices colourChoices(uint32_t planes, bool prior) const;
     void drawColours(uint32_t planes, bool prior);
 
     // Normals of a picture that is not shaded by them: the same triangles carrying normals, before z is written.

@@ -226,10 +226,21 @@ void GpuFrame::bin() {
     recordBin(recorder_, BinStep::list, binPush(), counts, exact_, buffers);
 }
 
-void GpuFrame::fill(FillChoices choices) {
+FillChoices GpuFrame::onDevice(FillChoices choices) const {
     choices.wide = wide_;
     choices.subgroupSize = device_.limits().subgroupShuffle ? device_.limits().subgroupSize : 0;
     choices.planes = planes_;
+    return choices;
+}
+
+void GpuFrame::prepare(FillChoices choices, uint32_t planes) {
+    planes_ = withSum(planes);
+    if (prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > gpu::kLightsPerWindow) return;  // several pipelines
+    prepareFill(recorder_, onDevice(choices), prepared_.list.towardViewer != glm::vec3(0), exact_);
+}
+
+void GpuFrame::fill(FillChoices choices) {
+    choices = onDevice(choices);
     const bool lit = choices.shading == gpu::kShadingPhong && (choices.parts.diffuse || choices.parts.specular);
     const uint32_t lightCount = lit ? uint32_t(chunk_->lights.size()) : 0;
     // A list too long for one invocation is drawn in slices over the planes, as chunks are.

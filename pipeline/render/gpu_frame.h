@@ -23,6 +23,8 @@ class GpuFrame {
 public:
     GpuFrame(Device& device, const Prepared& prepared, double watchdogMs);
 
+    // Begins to make the largest pipeline, that of a fill() with these choices and planes, for a picture without very large triangles.
+    void prepare(FillChoices choices, uint32_t planes);
     // Uploads a chunk; buffers grow as needed.
     void upload(const DrawList& chunk);
     // transform, illuminate and cull. `normals`: carry world normals whatever the shading (normal plane).
@@ -69,6 +71,7 @@ public:
 
 private:
     void recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push, const FillChoices& choices);
+    FillChoices onDevice(FillChoices choices) const;
     uint32_t withSum(uint32_t planes) const;  // and the sum of the lights, where they come in windows
     void checkFits(const char* what, uint64_t count, uint64_t elementBytes) const;
 

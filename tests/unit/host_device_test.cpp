@@ -133,6 +133,23 @@ TEST_F(HostDevice, RunsAgainAfterARunAndWithOtherConstants) {
     EXPECT_EQ(recorder.takeTimes()[0].dispatches, 4u);
 }
 
+TEST_F(HostDevice, MakesPipelinesAheadOfTheirDispatch) {
+    Addition work(device(), 65);
+    Recorder recorder(device());
+    for (const uint32_t addend : {21u, 22u, 23u}) recorder.prepare(spirv::host_add, {{7, addend}});
+    recorder.prepare(spirv::host_add, {{7, 21}});
+    for (const uint32_t addend : {22u, 21u, 21u}) {
+        work.record(recorder, {{7, addend}});
+        recorder.run();
+        work.expectSums(addend);
+    }
+    // What cannot be made is refused by the dispatch that needs it, and again by the next; nobody else hears of it.
+    const Specialization unknown = {{8, 1}};
+    recorder.prepare(spirv::host_add, unknown);
+    for (int i = 0; i < 2; ++i) EXPECT_THROW(work.record(recorder, unknown), Error);
+    recorder.prepare(spirv::host_add, {{8, 2}});  // 23 and this one are never asked for: the device frees what there is
+}
+
 TEST_F(HostDevice, OrdersDependentDispatchesAndFills) {
     Buffer<glm::uvec2> pairs(device(), 512, "pairs");
     Buffer<uint32_t> a(device(), 512, "a"), b(device(), 512, "b");
