@@ -16,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -148,6 +149,7 @@ struct DeviceImpl {
     DeviceInfo info;
     DeviceLimits limits;
     SelfTest selfTest;
+    std::optional<bool> exactBinary64;  // host/binary64.h; not asked yet
     ShrunkNative native;
     std::shared_ptr<MemoryPool> memory;
     VkPipelineCache pipelineCache = VK_NULL_HANDLE;

@@ -16,6 +16,9 @@ layout(binding = 5, scalar) buffer Screen { uvec4 screen[]; };
 layout(binding = 6, scalar) buffer Varying { vec4 carried[]; };
 layout(binding = 7, scalar) writeonly buffer Draws { uvec4 draws[]; };
 layout(binding = 8, scalar) writeonly buffer Kinds { uint kinds[]; };   // a byte-like word a job: bit 0 wide, count of drawn << 1
+#ifdef PLUMB_LONG
+layout(binding = 9, scalar) readonly buffer Given { vec4 given[]; };    // clip-space x, y, w of vertices, as the transform left them
+#endif
 
 void main() {
     uint item = itemIndex();
@@ -26,10 +29,17 @@ void main() {
     ClipVertex next[kClipCorners];
     uint count = 3u;
     for (int i = 0; i < 3; ++i) {
+#ifdef PLUMB_LONG
+        vec4 clip = given[corners[i]];
+        polygon[i].x = clip.x;
+        polygon[i].y = clip.y;
+        polygon[i].w = clip.z;
+#else
         vec3 p = texelFetch(positions, int(corners[i])).xyz;
         polygon[i].x = rowTimesPoint(objects[job.object].rowX, p);
         polygon[i].y = rowTimesPoint(objects[job.object].rowY, p);
         polygon[i].w = rowTimesPoint(objects[job.object].rowW, p);
+#endif
         polygon[i].carried = carried[corners[i]].xyz;
     }
     for (int plane = 0; plane < kClipPlanes; ++plane) {

@@ -6,6 +6,9 @@ layout(local_size_x = 256) in;
 #include "shared/status.h"
 #include "shared/shade.h"
 #include "shared/transform.h"
+#ifdef PLUMB_LONG
+#include "shared/long_transform.h"
+#endif
 
 layout(constant_id = 2) const bool kWriteNormals = true;  // Phong, or planes that ask for them
 
@@ -17,6 +20,10 @@ layout(binding = 2) uniform samplerBuffer normals;     // xyz, object space
 layout(binding = 3, scalar) readonly buffer Objects { ObjectRecord objects[]; };
 layout(binding = 4, scalar) writeonly buffer Screen { uvec4 screen[]; };
 layout(binding = 5, scalar) writeonly buffer Varying { vec4 carried[]; };
+#ifdef PLUMB_LONG
+layout(binding = 6, scalar) readonly buffer Longs { LongRecord longs[]; };    // one an object
+layout(binding = 7, scalar) writeonly buffer Clip { vec4 clipSpace[]; };      // x, y, w: what is clipped goes on from there
+#endif
 
 void main() {
     uint item = itemIndex();
@@ -24,8 +31,18 @@ void main() {
     uint at = push.firstVertex + min(item, push.vertexCount - 1u);
     ObjectRecord o = objects[push.object];
     vec3 p = texelFetch(positions, int(at)).xyz;
+#ifdef PLUMB_LONG
+#ifdef PLUMB_DOUBLE
+    vec3 clip = doubleClip(longs[push.object], p);
+#else
+    vec3 clip = blockClip(longs[push.object], p);
+#endif
+    if (mine) clipSpace[at] = vec4(clip, 0.0);
+    ScreenVertex s = project(clip.x, clip.y, clip.z, push.viewport);
+#else
     float w = rowTimesPoint(o.rowW, p);
     ScreenVertex s = project(rowTimesPoint(o.rowX, p), rowTimesPoint(o.rowY, p), w, push.viewport);
+#endif
     if (mine) screen[at] = uvec4(uint(s.x), uint(s.y), floatBitsToUint(s.z), s.outcode);
     if (kWriteNormals) {
         vec3 n = texelFetch(normals, int(at)).xyz;

@@ -11,6 +11,9 @@ No RelaxedPrecision, no fast-math decoration, no float of another width than 32 
 Modules with "_native" in their names draw only when a choice asks for the device's own functions (docs/accuracy.md, bounded). They may hold one
 thing more: Pow, in the functions nativePow, which only NATIVE_CALLERS call.
 
+Modules with "_double" in their names may hold binary64, its conversions and the reading of its words, in the functions rowTimesDouble, which only
+DOUBLE_CALLERS call: host/binary64.cpp asks a device whether it keeps those before it runs them.
+
 Modules whose name starts with "selftest" or "canary" measure the device and are listed, not judged.
 
 usage: spirv_lint.py [--quiet] MODULE.spv...    exit 1 on a fault; --list FILE: one path a line
@@ -24,6 +27,9 @@ CALLERS = ("exactDivide", "exactRoot", "emulatedDivide", "emulatedRoot")
 
 NATIVE, NATIVE_EXT = "nativePow", 26
 NATIVE_CALLERS = ("nativePower", "encodeNative")
+
+DOUBLE, DOUBLE_EXT, F_CONVERT = "rowTimesDouble", 59, 115
+DOUBLE_CALLERS = ("doubleClip", "timesVectorDouble")
 
 EXACT = {129: "OpFAdd", 131: "OpFSub", 133: "OpFMul", 142: "OpVectorTimesScalar"}
 SEED_OPS = {136: "OpFDiv"}
@@ -96,8 +102,8 @@ def read(path):
     return list(struct.unpack(f"<{len(data) // 4}I", data))
 
 
-def lint(words, native=False):
-    """(faults as sentences, number of exact float operations). native: the module may hold the device's own power."""
+def lint(words, native=False, double=False):
+    """(faults as sentences, number of exact float operations). native: the module may hold the device's own power; double: binary64."""
     faults, names, no_contraction, sets, exact = [], {}, set(), {}, 0
     for _, op, a in instructions(words):
         if op == OP_NAME:
@@ -111,7 +117,7 @@ def lint(words, native=False):
             faults.append(f"decoration {decoration} on {names.get(a[0], a[0])} loosens what a float operation means")
         elif op == OP_EXECUTION_MODE and MODES.get(a[1]):
             faults.append(f"execution mode {MODES[a[1]]}")
-        elif op == OP_TYPE_FLOAT and a[1] != 32:
+        elif op == OP_TYPE_FLOAT and a[1] != 32 and not (double and a[1] == 64):
             faults.append(f"float of {a[1]} bits")
         elif op == OP_SPEC_CONSTANT_OP and (a[2] not in ALLOWED or a[2] in EXACT or a[2] in SEED_OPS):
             faults.append(f"OpSpecConstantOp of opcode {a[2]}")
@@ -125,22 +131,26 @@ def lint(words, native=False):
         if function is None:
             continue
         seeds = function in SEEDS
+        doubles = double and function == DOUBLE
         if op == 12:
             if sets.get(a[2], "").startswith("NonSemantic."):
                 pass
             elif sets.get(a[2]) != "GLSL.std.450":
                 faults.append(f"{function}: instruction of {sets.get(a[2], 'an unknown set')}")
-            elif a[3] not in ALLOWED_EXT and not (seeds and a[3] in SEED_EXT) and not (native and function == NATIVE and a[3] == NATIVE_EXT):
+            elif a[3] not in ALLOWED_EXT and not (seeds and a[3] in SEED_EXT) and not (native and function == NATIVE and a[3] == NATIVE_EXT) \
+                    and not (doubles and a[3] == DOUBLE_EXT):
                 faults.append(f"{function}: GLSL.std.450 {EXT_NAMES.get(a[3], a[3])} is not exact")
         elif op == OP_FUNCTION_CALL and name_of(a[2]) in SEEDS and function not in CALLERS:
             faults.append(f"{function}: calls {name_of(a[2])}, which only exact.h may")
         elif op == OP_FUNCTION_CALL and native and name_of(a[2]) == NATIVE and function not in NATIVE_CALLERS:
             faults.append(f"{function}: calls {NATIVE}, which only {' and '.join(NATIVE_CALLERS)} may")
+        elif op == OP_FUNCTION_CALL and double and name_of(a[2]) == DOUBLE and function not in DOUBLE_CALLERS:
+            faults.append(f"{function}: calls {DOUBLE}, which only {' and '.join(DOUBLE_CALLERS)} may")
         elif op in EXACT:
             exact += 1
             if a[1] not in no_contraction:
                 faults.append(f"{function}: {EXACT[op]} %{a[1]} lacks NoContraction")
-        elif op not in ALLOWED and not (seeds and op in SEED_OPS):
+        elif op not in ALLOWED and not (seeds and op in SEED_OPS) and not (doubles and op == F_CONVERT):
             faults.append(f"{function}: {NAMES.get(op, f'opcode {op}')} is not in the exact subset")
         if op == OP_FUNCTION_END:
             function = None
@@ -153,6 +163,10 @@ def exempt(path):
 
 def is_native(path):
     return "_native" in os.path.basename(path)
+
+
+def is_double(path):
+    return "_double" in os.path.basename(path)
 
 
 def paths_of(arguments):
@@ -176,7 +190,7 @@ def main():
                 read(path)
                 print(f"{name}: measures the device, not judged")
                 continue
-            faults, exact = lint(read(path), is_native(path))
+            faults, exact = lint(read(path), is_native(path), is_double(path))
         except (OSError, ValueError, IndexError) as error:
             faults, exact = [str(error)], 0
         judged += 1
@@ -184,7 +198,7 @@ def main():
         for fault in faults:
             print(f"{name}: {fault}")
         if not faults and "--quiet" not in sys.argv:
-            print(f"{name}: {exact} float operations, exact" + (", and the device's own power" if is_native(path) else ""))
+            print(f"{name}: {exact} float operations, exact" + (", and the device's own power" if is_native(path) else "") + (", and binary64" if is_double(path) else ""))
     print(f"spirv_lint: {judged} modules judged, {faulty} outside the exact subset")
     return 1 if faulty or judged == 0 else 0
 

@@ -107,6 +107,15 @@ def mutants(words):
                     changed[at + 2] ^= 0x01010101
             if changed != words:
                 yield f"{name} renamed", changed
+    if any(op == lint.F_CONVERT for _, op, a in lint.instructions(words)):  # binary64, under another name
+        present = {function for _, function in find(words, {lint.F_CONVERT, lint.OP_FUNCTION_CALL})}
+        for name in (lint.DOUBLE, *lint.DOUBLE_CALLERS):
+            changed = list(words)
+            for at, op, a in lint.instructions(words):
+                if op == lint.OP_NAME and lint.text_of(a[1:]).split("(")[0] == name:
+                    changed[at + 2] ^= 0x01010101
+            if name in present:
+                yield f"{name} renamed", changed
     place = first_annotation(words)
     if place is not None:
         some = words[first_function(words) + 2]
@@ -130,21 +139,21 @@ def main():
         if lint.exempt(path):
             continue
         name, words = os.path.basename(path), lint.read(path)
-        native = lint.is_native(path)
-        if lint.lint(words, native)[0]:
+        native, double = lint.is_native(path), lint.is_double(path)
+        if lint.lint(words, native, double)[0]:
             print(f"{name}: not clean before it is mutated")
             return 1
-        if native:  # where the name does not say so, it may not be there
+        if native or double:  # where the name does not say so, it may not be there
             total += 1
             kinds.add("judged as an exact module")
             if not lint.lint(words)[0]:
                 missed += 1
-                print(f"{name}: unnoticed: its own power, judged as an exact module")
+                print(f"{name}: unnoticed: judged as an exact module")
         for what, changed in mutants(words):
             total += 1
             kinds.add("NoContraction stripped" if what.startswith("NoContraction") else what)
             try:
-                noticed = bool(lint.lint(changed, native)[0])
+                noticed = bool(lint.lint(changed, native, double)[0])
             except (ValueError, IndexError):
                 noticed = True
             if not noticed:

@@ -41,9 +41,6 @@ template <auto member, auto value>
 void trade(Setting& s) {
     s.request.trade.*member = value;
 }
-// The only one that there is.
-void keep(Setting&) {}
-
 // In the order in which a picture is made.
 const std::vector<Axis> kAxes = {
     {"shading",
@@ -55,9 +52,9 @@ const std::vector<Axis> kAxes = {
       {"phong", Verdict::bits, shade<Shading::phong>, "one illumination a pixel"}}},
     {"transform",
      "numbers in which vertices are projected",
-     {{"fp32", Verdict::bits, keep, "float32, from a composite matrix made in binary64"},
-      {"fp64", Verdict::bits, nullptr, "there is no binary64 kernel in this version"},
-      {"block-integer", Verdict::bits, nullptr, "there is no block-scaled integer kernel in this version"}}},
+     {{"fp32", Verdict::bits, trade<&Trade::numbers, Numbers::fp32>, "float32, from a composite matrix made in binary64"},
+      {"fp64", Verdict::bits, trade<&Trade::numbers, Numbers::fp64>, "binary64, rounded to float32 at its end; only where the device has it"},
+      {"block-integer", Verdict::bits, trade<&Trade::numbers, Numbers::blockInteger>, "integers with one exponent an object and a row, rounded to float32 at their end"}}},
     {"subpixel",
      "bits of a vertex below the pixel",
      {{"8", Verdict::bits, trade<&Trade::subpixelBits, 8>, "vertices snapped to 1/256 px: off by 1/512 px at most"},
@@ -123,12 +120,13 @@ std::string wordsOf(const Setting& s) {
     const RenderRequest& r = s.request;
     static constexpr const char* kShadings[] = {"wire", "unlit", "flat", "gouraud", "phong"};
     const Trade& t = r.trade;
+    static constexpr const char* kNumbers[] = {"fp32", "block-integer", "fp64"};
     static constexpr const char* kSpeculars[] = {"exact", "schlick", "native"};
     const std::string depth = t.depthBits == 32 ? "reversed-32" : t.depthBits == Trade::kStandardDepth ? "standard-32" : std::to_string(t.depthBits);
-    return fmt::format("shading={} fill={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} normals={} rate={} encode={} renderer={}{}",
+    return fmt::format("shading={} fill={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} transform={} normals={} rate={} encode={} renderer={}{}",
                        kShadings[size_t(r.shading)], r.fill == Fill::notes ? "notes" : "exact", r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, kSpeculars[size_t(t.specular)],
                        t.vectors == Vectors::pixel ? "pixel" : "scene", t.affine ? "affine" : "perspective", depth, t.subpixelBits,
-                       t.unitNormals ? "normalised" : "as-interpolated", t.coarse ? "1/2" : "1", t.nativeEncode ? "native" : "threshold", s.twin ? "twin" : "device", s.twin ? fmt::format(" threads={}", r.threads) : "");
+                       kNumbers[size_t(t.numbers)], t.unitNormals ? "normalised" : "as-interpolated", t.coarse ? "1/2" : "1", t.nativeEncode ? "native" : "threshold", s.twin ? "twin" : "device", s.twin ? fmt::format(" threads={}", r.threads) : "");
 }
 
 std::span<const Axis> axes() { return kAxes; }

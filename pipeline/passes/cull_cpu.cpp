@@ -105,7 +105,7 @@ void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places
 void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std::span<const glm::uvec4> triangles,
              std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects,
              std::span<gpu::ScreenVertex> screen, std::span<glm::vec4> carried, std::span<gpu::DrawTriangle> draws,
-             std::span<uint32_t> kinds, uint32_t threads) {
+             std::span<uint32_t> kinds, uint32_t threads, std::span<const glm::vec4> given) {
     parallelBands(jobs.size(), 64, threads, [&](uint64_t begin, uint64_t end) {
         std::vector<gpu::ClipVertex> polygon, next;
         for (uint64_t j = begin; j < end; ++j) {
@@ -117,6 +117,7 @@ void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std:
                 const glm::vec3 p(positions[v]);
                 polygon.push_back({gpu::rowTimesPoint(o.rowX, p), gpu::rowTimesPoint(o.rowY, p), gpu::rowTimesPoint(o.rowW, p),
                                    glm::vec3(carried[v])});
+                if (!given.empty()) polygon.back() = {given[v].x, given[v].y, given[v].z, polygon.back().carried};
             }
             for (int plane = 0; plane < gpu::kClipPlanes; ++plane) {
                 next.clear();

@@ -2,6 +2,7 @@
 #include "pipeline/passes/cull.h"
 
 #include <spirv/clip.h>
+#include <spirv/clip_given.h>
 #include <spirv/cull.h>
 #include <spirv/setup.h>
 
@@ -30,11 +31,17 @@ void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides,
 void recordClip(Recorder& recorder, const gpu::ClipPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,
                 const Buffer<glm::vec4>& positions, const Buffer<gpu::ObjectRecord>& objects,
                 const Buffer<gpu::ClipJob>& jobs, const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried,
-                const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& kinds) {
-    recorder.dispatch("clip", spirv::clip, push.jobCount, push,
-                      {texels(triangles, View::texelU32x4), texels(positions, View::texelF32x4), storage(objects), storage(jobs),
-                       storage(screen), storage(carried), storage(draws), storage(kinds)},
-                      exact);
+                const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& kinds, const Buffer<glm::vec4>* given) {
+    if (given == nullptr)
+        recorder.dispatch("clip", spirv::clip, push.jobCount, push,
+                          {texels(triangles, View::texelU32x4), texels(positions, View::texelF32x4), storage(objects), storage(jobs),
+                           storage(screen), storage(carried), storage(draws), storage(kinds)},
+                          exact);
+    else
+        recorder.dispatch("clip", spirv::clip_given, push.jobCount, push,
+                          {texels(triangles, View::texelU32x4), texels(positions, View::texelF32x4), storage(objects), storage(jobs),
+                           storage(screen), storage(carried), storage(draws), storage(kinds), storage(*given)},
+                          exact);
 }
 
 }  // namespace plumb

@@ -10,6 +10,8 @@ namespace plumb {
 DrawList chunkOf(const DrawList& list, uint32_t first, uint32_t count) {
     DrawList chunk;
     chunk.objects = list.objects;
+    chunk.numbers = list.numbers;
+    chunk.longs = list.longs;
     chunk.materials = list.materials;
     chunk.lights = list.lights;
     chunk.viewport = list.viewport;

@@ -2,8 +2,10 @@
 // What the passes take: every drawn object of a scene, flattened for one picture. Device and twin read the same list.
 #pragma once
 
+#include "pipeline/passes/numbers.h"
 #include "shaders/shared/fill.h"
 #include "shaders/shared/illuminate.h"
+#include "shaders/shared/long_transform.h"
 
 #include <cstdint>
 #include <vector>
@@ -21,6 +23,8 @@ struct DrawList {
     };
     std::vector<Range> ranges;
     std::vector<gpu::ObjectRecord> objects;
+    Numbers numbers = Numbers::fp32;
+    std::vector<gpu::LongRecord> longs;                   // one an object, unless `numbers` is fp32
     std::vector<glm::vec4> positions, normals;            // per vertex, object space; w unused
     std::vector<uint32_t> vertexMaterial;
     std::vector<glm::uvec4> triangles;                    // vertices counter-clockwise as seen from the front, material

@@ -76,6 +76,10 @@ void GpuFrame::upload(const DrawList& chunk) {
     put<glm::vec4>(device_, normals_, chunk.normals, "normals");
     put<glm::uvec4>(device_, triangles_, chunk.triangles, "triangles");
     put<gpu::ObjectRecord>(device_, objects_, chunk.objects, "objects");
+    if (chunk.numbers != Numbers::fp32) {
+        put<gpu::LongRecord>(device_, longs_, chunk.longs, "long rows");
+        clipSpace_.reserve(device_, std::max<uint64_t>(1, chunk.positions.size()), "clip space");
+    }
     put<gpu::MaterialRecord>(device_, materials_, chunk.materials, "materials");
     put<gpu::LightRecord>(device_, lights_, chunk.lights, "lights");
     std::vector<uint32_t> materialOf(chunk.triangles.size());
@@ -103,8 +107,12 @@ void GpuFrame::transformAndCull(bool normals) {
     const bool writeNormals = carryNormals && !carriedNormals_;
     for (const DrawList::Range& r : chunk_->ranges) {
         if (r.vertexCount == 0) continue;
-        recordTransform(recorder_, {0, r.firstVertex, r.vertexCount, r.record, chunk_->viewport},
-                        writeNormals ? normalsCarried(choices, normals) : Normals::none, exact_, positions_, normals_, objects_, screen_, carried_);
+        const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, chunk_->viewport};
+        const Normals carry = writeNormals ? normalsCarried(choices, normals) : Normals::none;
+        if (chunk_->numbers == Numbers::fp32)
+            recordTransform(recorder_, push, carry, exact_, positions_, normals_, objects_, screen_, carried_);
+        else
+            recordLongTransform(recorder_, device_, push, carry, exact_, positions_, normals_, objects_, screen_, carried_, {chunk_->numbers, longs_, clipSpace_});
         const uint32_t lightCount = uint32_t(chunk_->lights.size());
         if (gouraud)
             recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, exact_, positions_,
@@ -149,7 +157,7 @@ void GpuFrame::setup() {
         put<gpu::ClipJob>(device_, jobs_, places_.jobs, "clip jobs");
         kinds_.reserve(device_, places_.jobs.size(), "clip kinds");
         recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, exact_,
-                   triangles_, positions_, objects_, jobs_, screen_, carried_, draws_, kinds_);
+                   triangles_, positions_, objects_, jobs_, screen_, carried_, draws_, kinds_, chunk_->numbers == Numbers::fp32 ? nullptr : &clipSpace_);
     }
     recorder_.run(watchdogMs_);
     for (size_t j = 0; j < places_.jobs.size(); ++j) {

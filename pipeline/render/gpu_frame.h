@@ -96,6 +96,8 @@ private:
     Buffer<glm::uvec4> triangles_, slots_, tileBuffer_, aloneBuffer_, colours_, planeBuffer_, resolved_;
     Buffer<glm::vec4> resolvedLinear_;
     Buffer<gpu::ObjectRecord> objects_;
+    Buffer<gpu::LongRecord> longs_;
+    Buffer<glm::vec4> clipSpace_;
     Buffer<gpu::MaterialRecord> materials_;
     Buffer<gpu::LightRecord> lights_;
     Buffer<gpu::ScreenVertex> screen_;

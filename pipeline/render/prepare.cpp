@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/prepare.h"
 
+#include "pipeline/passes/long_rows.h"
 #include "pipeline/render/polygons.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/ray_shares.h"
@@ -61,11 +62,28 @@ glm::dmat3 normalMatrix(const glm::dmat3& m, double determinant) {
     return c;
 }
 
-gpu::ObjectRecord recordOf(const glm::dmat4& worldFromObject, const Pinhole& v) {
-    // Relative to the eye, in binary64, rounded once: the error scales with the distance to the camera, not to the origin.
+// Relative to the eye, in binary64: the error scales with the distance to the camera, not to the origin.
+glm::dmat4 viewedFromObject(const glm::dmat4& worldFromObject, const Pinhole& v) {
     glm::dmat4 m = worldFromObject;
     m[3] -= glm::dvec4(v.eye, 0);
-    m *= v.unit;
+    return m * v.unit;
+}
+
+gpu::LongRecord longRecordOf(const glm::dmat4& worldFromObject, const TriangleMesh& mesh, const Pinhole& v) {
+    const glm::dmat4 m = viewedFromObject(worldFromObject, v);
+    double reach = 0;
+    for (int i = 0; i < 3; ++i) reach = std::max({reach, std::abs(double(mesh.boundsMin[i])), std::abs(double(mesh.boundsMax[i]))});
+    const int exponent = blockExponent(reach);
+    const auto row = [&](const glm::dvec3& axis, double scale) {
+        glm::dvec4 r;
+        for (int i = 0; i < 4; ++i) r[i] = scale * glm::dot(axis, glm::dvec3(m[i]));
+        return longRow(r, exponent);
+    };
+    return {row(v.right, v.focal), row(v.down, v.focal), row(v.forward, 1), float(std::ldexp(1.0, -exponent))};
+}
+
+gpu::ObjectRecord recordOf(const glm::dmat4& worldFromObject, const Pinhole& v) {
+    const glm::dmat4 m = viewedFromObject(worldFromObject, v);  // rounded once:
     const auto row = [&](const glm::dvec3& axis, double scale) {
         glm::vec4 r;
         for (int i = 0; i < 4; ++i) {
@@ -162,6 +180,7 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
     if (list.positions.size() + mesh.positions.size() > 0x7fffffffu || list.triangles.size() + mesh.triangles.size() > 0x7fffffffu)
         throw inputError(scene.path, "the scene has more than 2^31 vertices or triangles");
     list.objects.push_back(recordOf(object.worldFromObject, view));
+    if (list.numbers != Numbers::fp32) list.longs.push_back(longRecordOf(object.worldFromObject, mesh, view));
     checkReach(list.objects.back(), mesh, view.focal, object.name.empty() ? scene.path : object.name);
     const auto slotOf = [&](uint32_t material) { return slotOfMaterial(list, scene, material, materialSlot, unlit); };
     for (size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -355,6 +374,8 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     p.rayY = list.rayY;
     const Trade& trade = request.trade;
     list.viewport.droppedBits = trade.subpixelBits == 4 ? 4 : 0;
+    // Rays have no transform, and the lines of the notes whole pixels; a wire frame is lines too, unless hidden ones are removed.
+    if (request.shading != Shading::ray && request.fill == Fill::exact) list.numbers = trade.numbers;
     p.choices.affine = trade.affine;
     p.choices.depthBits = trade.depthBits;
     if (trade.vectors == Trade::Vectors::scene) {
@@ -440,6 +461,8 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     if (trade.specular == Trade::Specular::schlick) plan.choices.push_back("specular: Schlick's quotient in place of the power");
     if (trade.vectors == Trade::Vectors::scene) plan.choices.push_back("light-vector: one direction to the eye and to each light for the whole scene");
     if (trade.affine) plan.choices.push_back("interpolation: affine");
+    if (list.numbers == Numbers::blockInteger) plan.choices.push_back("transform: block-scaled integers, rounded to float32 once");
+    if (list.numbers == Numbers::fp64) plan.choices.push_back("transform: binary64, rounded to float32 at its end");
     if (trade.specular == Trade::Specular::native) plan.choices.push_back("specular: the device's own power (bounded)");
     if (trade.nativeEncode && request.encoding == Encoding::srgb) plan.choices.push_back("encode: the device's own power (bounded)");
     if (!trade.unitNormals) plan.choices.push_back(p.choices.unitNormals ? "normals: as interpolated; no pixel is shaded by one" : "normals: as interpolated, not made unit at pixels");

@@ -4,6 +4,7 @@
 
 #include "host/device.h"
 #include "host/recorder.h"
+#include "pipeline/passes/numbers.h"
 #include "pipeline/render/frame.h"
 #include "pipeline/scene/scene.h"
 
@@ -21,6 +22,7 @@ struct Trade {
 
     Specular specular = Specular::exact;
     Vectors vectors = Vectors::pixel;     // scene (Phong): one direction to the eye, and to each light from the framed centre
+    Numbers numbers = Numbers::fp32;      // in which vertices are transformed; the other two are more accurate
     bool affine = false;                  // attributes interpolated without perspective
     uint32_t depthBits = 32;              // 32: n/w as float32; kStandardDepth: float32 of 1 - n/w; 16, 24: n/w as fixed point
     uint32_t subpixelBits = 8;            // 8, 4: what vertices are snapped to

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 // The contract of illumination once more, with double for float. What it does on the bits of a float has an overload here that says what it means;
@@ -69,6 +70,13 @@ double alongRow(const glm::vec4& row, const glm::vec4& p) {
     return double(row.x) * double(p.x) + double(row.y) * double(p.y) + double(row.z) * double(p.z);
 }
 
+// A row of a more accurate transform, in binary64.
+double alongLongRow(const gpu::LongRow& row, const glm::vec4& p) {
+    const auto number = [](uint32_t low, uint32_t high) { return std::bit_cast<double>(uint64_t(high) << 32 | low); };
+    return number(row.double01.x, row.double01.y) * double(p.x) + number(row.double01.z, row.double01.w) * double(p.y) +
+           number(row.double23.x, row.double23.y) * double(p.z) + number(row.double23.z, row.double23.w);
+}
+
 class Reread {
 public:
     Reread(const Scene& scene, const RenderRequest& request)
@@ -87,8 +95,9 @@ public:
         for (const DrawList::Range& r : list.ranges) {
             const gpu::ObjectRecord& o = list.objects[r.record];
             for (uint32_t v = r.firstVertex; v < r.firstVertex + r.vertexCount; ++v) {
-                if (g_.screen[v].outcode == 0)
-                    z_[v] = double(list.viewport.near) / (alongRow(o.rowW, list.positions[v]) + double(o.rowW.w));
+                const double w = list.numbers == Numbers::fp32 ? alongRow(o.rowW, list.positions[v]) + double(o.rowW.w)
+                                                               : alongLongRow(list.longs[r.record].w, list.positions[v]);
+                if (g_.screen[v].outcode == 0) z_[v] = double(list.viewport.near) / w;
                 carried_[v] = gouraud ? lit(o, list.positions[v], list.normals[v], list.vertexMaterial[v])
                                       : normalOf(o, list.normals[v]);
                 if (!gouraud && !p_.choices.unitNormals)

@@ -13,13 +13,14 @@ TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool
     const uint32_t vertices = uint32_t(list.positions.size());
     g.screen.resize(vertices);
     g.carried.resize(vertices);
+    if (list.numbers != Numbers::fp32) g.clipSpace.resize(vertices);
     const bool gouraud = choices.shading == gpu::kShadingGouraud && !normals;
     {
         const Stopwatch watch(times, "transform");
         for (const DrawList::Range& r : list.ranges) {
             const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, list.viewport};
             transformCpu(push, normalsCarried(choices, normals), list.positions, list.normals, list.objects, g.screen,
-                         g.carried, threads);
+                         g.carried, threads, {list.numbers, list.longs, g.clipSpace});
         }
     }
     if (gouraud || choices.shading == gpu::kShadingFlat) {
@@ -49,7 +50,7 @@ TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool
     g.clipKinds.resize(g.places.jobs.size());
     setupCpu(g.records, g.places, list.triangles, g.screen, g.draws, threads);
     clipCpu({0, uint32_t(g.places.jobs.size()), list.cullBackFaces, list.frame, list.viewport}, g.places.jobs, list.triangles,
-            list.positions, list.objects, g.screen, g.carried, g.draws, g.clipKinds, threads);
+            list.positions, list.objects, g.screen, g.carried, g.draws, g.clipKinds, threads, g.clipSpace);
     return g;
 }
 

@@ -16,6 +16,7 @@ struct TwinGeometry {
     DrawPlaces places;
     std::vector<gpu::DrawTriangle> draws;
     std::vector<uint32_t> clipKinds;
+    std::vector<glm::vec4> clipSpace;          // of vertices, unless they are transformed in float32
 };
 
 // transform, illuminate, cull, set-up and clip of the whole list. `normals`: carry world normals whatever the shading.

@@ -55,6 +55,19 @@ inline float roundEvenReal(float x) { return std::nearbyint(x); }
 // The device's own power in modules that hold the instruction (below); here the power rounded once.
 inline float nativePow(float x, float y) { return float(std::pow(double(x), double(y))); }
 inline int shiftLeft(int x, int n) { return int(uint(x) << n); }
+// a b = high 2^32 + low.
+inline void multiplyLong(int a, int b, int& high, uint& low) {
+    const std::int64_t product = std::int64_t(a) * b;
+    high = int(product >> 32);
+    low = uint(product);
+}
+inline int highestBit(uint x) { return 31 - std::countl_zero(x); }  // x > 0
+// A row in binary64 (of each number the low word first) times a point, rounded to float32 at the end.
+inline float rowTimesDouble(const uvec4& row01, const uvec4& row23, const vec3& p) {
+    const auto number = [](uint low, uint high) { return std::bit_cast<double>(std::uint64_t(high) << 32 | low); };
+    const double x = number(row01.x, row01.y) * double(p.x), y = number(row01.z, row01.w) * double(p.y), z = number(row23.x, row23.y) * double(p.z);
+    return float(((x + y) + z) + number(row23.z, row23.w));
+}
 // Sign of a b - c d, exact for |a b|, |c d| < 2^50: -1, 0 or 1.
 inline int signOfDifference(int a, int b, int c, int d) {
     const std::int64_t left = std::int64_t(a) * b, right = std::int64_t(c) * d;
@@ -112,6 +125,23 @@ float nativePow(float x, float y) { return x; }
 #endif
 ivec4 shiftLeft(ivec4 x, int n) { return x << n; }
 int shiftLeft(int x, int n) { return x << n; }
+void multiplyLong(int a, int b, out int high, out uint low) {
+    int lower;
+    imulExtended(a, b, high, lower);
+    low = uint(lower);
+}
+int highestBit(uint x) { return findMSB(x); }
+// Needs shaderFloat64, and stands in modules that draw by choice only (toolchain/spirv_lint.py).
+#ifdef PLUMB_DOUBLE
+float rowTimesDouble(uvec4 row01, uvec4 row23, vec3 p) {
+    double x = packDouble2x32(row01.xy) * double(p.x);
+    double y = packDouble2x32(row01.zw) * double(p.y);
+    double z = packDouble2x32(row23.xy) * double(p.z);
+    return float(((x + y) + z) + packDouble2x32(row23.zw));
+}
+#else
+float rowTimesDouble(uvec4 row01, uvec4 row23, vec3 p) { return 0.0; }
+#endif
 // Four roundings of products below 2^50 are less than 2^29 together: where the float is 2^30 or more its sign is right, and
 // elsewhere the difference lies within 2^31, so that the wrapping integer is the difference itself. 64 bits are slow here.
 int signOfDifference(int a, int b, int c, int d) {

@@ -38,6 +38,19 @@ struct SelfTestAnswer {
     float emulatedRoot;
 };
 
+// Of binary64, each number as two words. Asked only of a device that shall transform in it.
+SHARED_CONST uint kDoubleVectors = 4096u;
+struct DoubleVector {
+    uint aLow, aHigh, bLow, bHigh;   // |a|, |b| in [2^-60, 2^60]
+    float x;                         // likewise
+};
+struct DoubleAnswer {
+    uint sumLow, sumHigh;            // a + b
+    uint productLow, productHigh;    // a x
+    uint bothLow, bothHigh;          // a x + b as two operations: shows a contraction
+    float rounded;                   // a as float32
+};
+
 struct CanaryAnswer {
     uint iterations;
     uint state;      // of the generator below after so many iterations

@@ -154,6 +154,17 @@ class Rendering(Command):
         self.assertGreater(max(native["verify"]["bound"]["linear"]), 0)
         self.assertTrue(all(plane["beyond"] == 0 for plane in native["verify"]["planes"]))
 
+    def test_fp64_is_refused_where_the_device_has_none(self):
+        self.expect(0, "verify", "cube.obj", "--size", "64x48", "--trade", "transform=fp64")
+        self.expect(0, "verify", "cube.obj", "--size", "64x48", "--trade", "transform=block-integer")
+        none = {"PLUMB_LIMITS": "float64=0"}
+        self.expect(2, "render", "cube.obj", "-o", "c.png", "--trade", "transform=fp64", says="has no binary64 (shaderFloat64)", env=none)
+        self.assertEqual(self.files(), ["cube.obj"])
+        self.expect(0, "verify", "cube.obj", "--size", "64x48", "--trade", "transform=block-integer", env=none)
+        rows = json.loads(self.expect(0, "measure", "cube.obj", "--size", "64x48", "--axis", "transform", "--repetitions", "2", "--json", env=none).stdout)["rows"]
+        self.assertEqual([(r["choice"], r["absent"]) for r in rows], [("fp32", False), ("fp64", True), ("block-integer", False)])
+        self.assertIn("shaderFloat64", rows[1]["why"])
+
     def test_turntable_needs_a_placeholder_and_makes_an_array(self):
         self.twin(2, "render", "cube.obj", "--turntable", "3", "-o", "spin.png", says="{n}")
         self.assertEqual(self.files(), ["cube.obj"])

@@ -393,6 +393,26 @@ TEST(TruthError, OrdersTheShadings) {
         unlit, flat, gouraud, phong.picture.rms, phong.linear.max, phong.wrongPrimitive, phong.pixels);
 }
 
+// The more accurate transforms gain where the products of float32 cancel: an object far from its own origin, near the eye.
+TEST(TruthError, LongTransformsGain) {
+    Scene scene = suzanne();
+    for (TriangleMesh& mesh : scene.meshes) {
+        for (glm::vec3& p : mesh.positions) p.x += 8192.0f;
+        mesh.boundsMin.x += 8192.0f;
+        mesh.boundsMax.x += 8192.0f;
+    }
+    for (Object& object : scene.objects) object.worldFromObject[3] -= object.worldFromObject[0] * 8192.0;
+    RenderRequest request = requestOf(160, 120);
+    const Truth t = truthOf(scene, request);
+    const FrameError single = errorOf(renderCpu(scene, request).frame, t, Encoding::srgb, false);
+    for (const Numbers numbers : {Numbers::blockInteger, Numbers::fp64}) {
+        request.trade.numbers = numbers;
+        const FrameError longer = errorOf(renderCpu(scene, request).frame, t, Encoding::srgb, false);
+        EXPECT_LT(longer.unrounded.rms, single.unrounded.rms) << int(numbers);
+        EXPECT_LT(2 * longer.wrongPrimitive, single.wrongPrimitive) << int(numbers);
+    }
+}
+
 // What is traded away costs: each choice of the trade is further from the truth than the default.
 TEST(TruthError, EveryTradeCosts) {
     const Scene scene = suzanne();

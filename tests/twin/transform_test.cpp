@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/passes/transform.h"
 
+#include "host/binary64.h"
+#include "pipeline/passes/long_rows.h"
+
 #include "tests/twin/pass_frame.h"
 
 namespace plumb::test {
@@ -83,6 +86,60 @@ TEST_P(TransformTwin, LeavesTheSameBytes) {
     }
     EXPECT_GT(visible, 0u);
     EXPECT_TRUE(cut > 0 || row.count == 1);
+}
+
+// The more accurate transforms, of the same points: a composite that is turned, and one that is not.
+TEST_P(TransformTwin, LeavesTheSameBytesInLongNumbers) {
+    const Row& row = GetParam();
+    const SceneCase c{"soupSmall", soupSmall, 131, 67};
+    const DrawList list = prepare(c.scene(), requestOf(c)).list;
+    const uint32_t total = row.first + row.count;
+    std::vector<glm::vec4> positions = pointsFor(c.view(), total);
+    double reach = 0;
+    for (glm::vec4& p : positions) {
+        if (std::abs(p.x) > 1e6f) p.x = 1e6f;  // coordinates are within the object's reach
+        reach = std::max({reach, std::abs(double(p.x)), std::abs(double(p.y)), std::abs(double(p.z))});
+    }
+    const std::vector<glm::vec4> normals(positions.size(), glm::vec4(0.6f, 0, 0.8f, 0));
+    const int exponent = blockExponent(reach);
+    std::vector<gpu::LongRecord> longs;
+    for (const glm::dvec4& x : {glm::dvec4(list.objects[0].rowX), glm::dvec4(200.123456789, 3.7, -30.03, 1.00000001)})
+        longs.push_back({longRow(x, exponent), longRow(glm::dvec4(list.objects[0].rowY), exponent), longRow({0, 0, -1, 1e-12}, exponent),
+                         float(std::ldexp(1.0, -exponent))});
+    const std::vector<gpu::ObjectRecord> objects(2, list.objects[0]);
+    EXPECT_EQ(lacksBinary64(device()), "") << "lavapipe has it";
+    for (const Numbers numbers : {Numbers::blockInteger, Numbers::fp64}) {
+        size_t visible = 0;
+        for (uint32_t object = 0; object < objects.size(); ++object) {
+            const gpu::TransformPush push{0, row.first, row.count, object, list.viewport};
+            const Normals carriedNormals = row.normals ? Normals::direction : Normals::none;
+            std::vector<gpu::ScreenVertex> screen(total);
+            std::vector<glm::vec4> carried(total), clip(total);
+            transformCpu(push, carriedNormals, positions, normals, objects, screen, carried, 1, {numbers, longs, clip});
+            for (const gpu::ScreenVertex& s : std::span(screen).subspan(row.first)) visible += s.outcode == 0;
+            for (const Specialization& exact : exactForms(device())) {
+                Recorder recorder(device());
+                auto p = bufferOf(device(), positions), n = bufferOf(device(), normals);
+                auto o = bufferOf(device(), objects);
+                auto l = bufferOf(device(), longs);
+                Buffer<gpu::ScreenVertex> gotScreen(device(), total + kSentinels, "screen");
+                Buffer<glm::vec4> gotCarried(device(), total + kSentinels, "carried"), gotClip(device(), total + kSentinels, "clip");
+                gotScreen.fill(kSentinel);
+                gotCarried.fill(kSentinel);
+                gotClip.fill(kSentinel);
+                recordLongTransform(recorder, device(), push, carriedNormals, exact, p, n, o, gotScreen, gotCarried, {numbers, l, gotClip});
+                recorder.run(kWatchdogMs);
+                expectSame<gpu::ScreenVertex>("transform: vertex", std::span(screen).subspan(row.first), gotScreen.span().subspan(row.first, row.count));
+                expectSame<glm::vec4>("transform: clip space", std::span(clip).subspan(row.first), gotClip.span().subspan(row.first, row.count));
+                if (row.normals)
+                    expectSame<glm::vec4>("transform: normal", std::span(carried).subspan(row.first), gotCarried.span().subspan(row.first, row.count));
+                expectSentinels("transform: vertices", gotScreen, total);
+                expectSentinels("transform: clip space", gotClip, total);
+                expectSentinels("transform: normals", gotCarried, row.normals ? total : 0);
+            }
+        }
+        EXPECT_TRUE(visible > 0 || row.count == 1);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Counts, TransformTwin,

@@ -70,7 +70,8 @@ TEST(BoundOfTrade, HoldsInPictures) {
 
 TEST(BoundOfTrade, SaysWhatIsNotProved) {
     const Scene scene = committed("suzanne.toml");
-    std::vector<Trade> trades(6);
+    std::vector<Trade> trades(7);
+    trades[6].numbers = Numbers::blockInteger;
     trades[0].vectors = Trade::Vectors::scene;
     trades[1].affine = true;
     trades[2].depthBits = 24;
@@ -175,7 +176,9 @@ TEST(Rounding, OfTradesIsNotTheirError) {
     const Scene scene = committed("suzanne.toml");
     RenderRequest request = requestOf();
     const double plain = roundingOf(scene, request, renderCpu(scene, request).frame)->rms;
-    std::vector<Trade> trades(5);
+    std::vector<Trade> trades(7);
+    trades[5].numbers = Numbers::blockInteger;
+    trades[6].numbers = Numbers::fp64;
     trades[0].specular = Trade::Specular::schlick;
     trades[1].affine = true;
     trades[2].unitNormals = false;

@@ -2,6 +2,7 @@
 // Decisions of the contracts that scenes hardly ever reach, asked directly.
 #include "shared/encode.h"
 #include "shared/fill.h"
+#include "shared/long_transform.h"
 #include "shared/shade.h"
 
 #include <algorithm>
@@ -46,6 +47,60 @@ TEST(CoarseDepth, IsTheNextMultipleAndNeverNothing) {
         EXPECT_EQ(realOf(coarseDepth(bitsOf(step), bits)), step);
         EXPECT_EQ(realOf(coarseDepth(bitsOf(std::nextafter(step, 1.0f)), bits)), 2 * step);
     }
+}
+
+Word64 wordOf(std::int64_t x) { return {int(x >> 32), uint(x)}; }
+std::int64_t valueOf(Word64 w) { return std::int64_t(std::uint64_t(uint(w.high)) << 32 | w.low); }
+std::uint64_t nextRandom(std::uint64_t& state) { return state = state * 6364136223846793005u + 1442695040888963407u; }
+
+TEST(Word64, AddsNegatesAndMultipliesAsTheProcessorDoes) {
+    std::uint64_t state = 3;
+    for (int i = 0; i < 20000; ++i) {
+        const auto a = std::int64_t(nextRandom(state)) >> (i % 40 + 1), b = std::int64_t(nextRandom(state)) >> (i % 37 + 1);
+        ASSERT_EQ(valueOf(sumOfWords(wordOf(a), wordOf(b))), a + b);
+        ASSERT_EQ(valueOf(negatedWord(wordOf(a))), -a);
+        ASSERT_EQ(valueOf(productOfInts(int(a), int(b))), std::int64_t(int(a)) * int(b));
+    }
+    EXPECT_EQ(valueOf(negatedWord(wordOf(std::int64_t(1) << 32))), -(std::int64_t(1) << 32));
+    EXPECT_EQ(valueOf(sumOfWords(wordOf(0xffffffff), wordOf(1))), std::int64_t(1) << 32);
+}
+
+TEST(RealOfWord, RoundsOnceAsTheProcessorDoes) {
+    std::vector<std::int64_t> values = {0, 1, -1, 2, 3, 0xff, 0x100, INT64_MAX / 2, -(INT64_MAX / 2), std::int64_t(1) << 61};
+    std::uint64_t state = 1;
+    for (int i = 0; i < 50000; ++i) values.push_back(std::int64_t(nextRandom(state)) >> (2 + i % 61));
+    // Ties, and a unit beside them, at every place.
+    for (int place = 25; place < 62; ++place)
+        for (int odd : {0, 1})
+            for (int beside : {-1, 0, 1}) {
+                const std::int64_t tie = ((std::int64_t(1) << 23 | odd) << (place - 23)) + (std::int64_t(1) << (place - 24));
+                values.push_back(tie + beside);
+                values.push_back(-(tie + beside));
+            }
+    for (const std::int64_t v : values)
+        for (const int exponent : {0, -40, 37, -100}) {
+            const float want = std::ldexp(float(v), exponent);
+            ASSERT_EQ(realOfWord(wordOf(v), exponent), std::abs(want) < 0x1p-126f ? 0.0f : want) << v << " 2^" << exponent;
+        }
+    EXPECT_EQ(realOfWord(wordOf(1), -127), 0.0f) << "nothing subnormal";
+    EXPECT_EQ(realOfWord(wordOf(3), -128), 0.0f) << "nothing subnormal";
+    EXPECT_EQ(realOfWord(wordOf(1), -126), 0x1p-126f);
+}
+
+TEST(RowTimesBlock, IsExactBeforeItIsRounded) {
+    std::uint64_t state = 7;
+    const auto next = [&] { return int(std::int64_t(nextRandom(state)) >> 33) / 2; };
+    for (int i = 0; i < 20000; ++i) {
+        LongRow row{};
+        row.m = {next(), next(), next()};
+        row.exponent = -30;
+        row.last = wordOf(std::int64_t(next()) * next());
+        const ivec3 p(next(), next(), next());
+        const auto product = [&](int k) { return std::int64_t(row.m[k]) * p[k]; };
+        const std::int64_t sum = product(0) + product(1) + product(2) + valueOf(row.last);
+        ASSERT_EQ(rowTimesBlock(row, p), std::ldexp(float(sum), -30));
+    }
+    EXPECT_EQ(blockPoint({0.5f, -1.5f, 2.5f}, 1.0f), ivec3(0, -2, 2));
 }
 
 TEST(SnapCoarsely, GoesToTheNearestSixteenthTiesToEven) {

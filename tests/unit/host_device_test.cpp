@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The device side of host/ on the pinned lavapipe, with core and synchronization validation and no message.
+#include "host/binary64.h"
 #include "host/buffer.h"
 #include "host/device.h"
 #include "host/recorder.h"
@@ -558,6 +559,34 @@ TEST(SelfTestVerdict, VectorsTellContractionFromTwoRoundings) {
     int differing = 0;
     for (const gpu::SelfTestVector& v : selfTestVectors()) differing += std::fma(v.x, v.y, v.x) != v.x * v.y + v.x;
     EXPECT_GT(differing, 1000);
+}
+
+// Each answer of binary64 counts, and what drivers do instead is told.
+TEST(SelfTestVerdict, OfBinary64NoticesEachWord) {
+    const std::vector<gpu::DoubleVector> vectors = doubleVectors();
+    ASSERT_EQ(vectors.size(), gpu::kDoubleVectors);
+    const auto doubleOf = [](uint32_t low, uint32_t high) { return std::bit_cast<double>(uint64_t(high) << 32 | low); };
+    std::vector<gpu::DoubleAnswer> good;
+    int contracted = 0, cutShort = 0, single = 0;
+    for (const gpu::DoubleVector& v : vectors) {
+        const double a = doubleOf(v.aLow, v.aHigh), b = doubleOf(v.bLow, v.bHigh), x = double(v.x);
+        for (const double operand : {a, b, x}) ASSERT_TRUE(std::abs(operand) >= 0x1p-60 && std::abs(operand) <= 0x1p60) << operand;
+        const auto words = [](double y) { return std::bit_cast<uint64_t>(y); };
+        const uint64_t sum = words(a + b), product = words(a * x), both = words(a * x + b);
+        good.push_back({uint32_t(sum), uint32_t(sum >> 32), uint32_t(product), uint32_t(product >> 32), uint32_t(both), uint32_t(both >> 32), float(a)});
+        contracted += std::fma(a, x, b) != a * x + b;
+        cutShort += float(a) != std::bit_cast<float>(uint32_t(words(a) >> 63) << 31 | uint32_t((words(a) >> 29) - (uint64_t(896) << 23)));
+        single += double(float(a) + float(b)) != a + b;
+    }
+    EXPECT_TRUE(judgeDoubles(vectors, good));
+    EXPECT_GT(contracted, 100);
+    EXPECT_GT(cutShort, 100) << "a conversion that does not round";
+    EXPECT_GT(single, 100) << "float32 in its place";
+    for (size_t field = 0; field < sizeof(gpu::DoubleAnswer) / 4; ++field) {
+        std::vector<gpu::DoubleAnswer> bad = good;
+        reinterpret_cast<uint32_t*>(&bad[vectors.size() / 2])[field] ^= 1u;
+        EXPECT_FALSE(judgeDoubles(vectors, bad)) << "field " << field;
+    }
 }
 
 TEST(SelfTestCache, IsReadOnlyWholeAndForItsKey) {
