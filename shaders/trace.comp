@@ -8,7 +8,7 @@
 #ifdef PLUMB_BALLOT
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #endif
 #define PLUMB_ONE_PIXEL
 layout(local_size_x = 64) in;
@@ -37,6 +37,15 @@ layout(constant_id = 11) const int kSpheres = -1;         // number of spheres w
 layout(constant_id = 20) const int kBoards = -1;          // the same of planes
 layout(constant_id = 21) const bool kHeld = false;        // kSpheres and kBoards are so few that their records stay in registers
 layout(constant_id = 22) const uint kFeelerBits = 32u;    // of the number of lights
+layout(constant_id = 23) const uint kLanes = 8u;          // of a subgroup, kEyeTogether
+layout(constant_id = 24) const bool kLights = true;
+layout(constant_id = 25) const bool kChildren = true;     // some hit may send a ray on
+layout(constant_id = 26) const bool kRefracts = true;     // some hit may send a refracted ray on
+layout(constant_id = 27) const bool kEyeTogether = false; // eye rays walk the tree together
+layout(constant_id = 28) const bool kTiles = false;       // neighbours are tiles of 4 x 2 samples
+layout(constant_id = 29) const bool kDeep = false;        // the tree is deeper than kLanes
+layout(constant_id = 30) const bool kLongPaths = true;    // paths may be longer than kLanes
+layout(constant_id = 31) const bool kPair = false;        // two samples an invocation, 4 x 4 a tile; with kEyeTogether, kTiles and no kChildren
 
 layout(push_constant, scalar) uniform Push { TracePush push; };
 layout(binding = 1) uniform samplerBuffer spheres;        // centre, radius
@@ -54,8 +63,11 @@ layout(binding = 12) uniform usamplerBuffer nodes;
 layout(binding = 13) uniform usamplerBuffer triangles;
 layout(binding = 14) uniform samplerBuffer corners;
 layout(binding = 15) uniform usamplerBuffer pixels;       // x | y << 16, kListed
+layout(binding = 16) uniform usamplerBuffer leaves;
 
-const bool kKeys = kSampling == kSampleRandom || (kJitterMirror | kJitterPass | kJitterFeeler) != 0u;
+const uint kMostSteps = 30000u;             // of a walk: half of what lavapipe's loops take
+// Functions, since glslang computes such a constant in the first function that reads it, where others do not see it.
+bool hasKeys() { return kSampling == kSampleRandom || (kJitterMirror | kJitterPass | kJitterFeeler) != 0u; }
 const uint kLevels = kCutLevels ? kRayDepthLimit : 1u;
 
 const uint kSlotObject = (kPlanes & kTracePlaneDistance) != 0u ? 1u : 0u;
@@ -114,68 +126,168 @@ TriangleHit triangleAt(uvec4 words, RayFrame f, bool own) {
                        texelFetch(corners, int(words.z) * 2).xyz, own);
 }
 
+// What an eye ray meets of the meshes.
+struct EyeHit {
+    float t;
+    uint triangle;
+};
+
+// A box as texels of the tree have it.
+bool opensFor(RayFrame frame, uvec4 low, uvec4 high, float longest) {
+    return opens(entryOfBox(frame, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz)),
+                 exitOfBox(frame, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz)), longest);
+}
+TriangleHit leafAt(uint leaf, RayFrame f, uint own, out uint triangle) {
+    uvec4 a = texelFetch(leaves, int(leaf) * 3);
+    triangle = a.w;
+    return hitTriangle(f, uintBitsToFloat(a.xyz), uintBitsToFloat(texelFetch(leaves, int(leaf) * 3 + 1).xyz),
+                       uintBitsToFloat(texelFetch(leaves, int(leaf) * 3 + 2).xyz), triangle == own);
+}
+
 #ifdef PLUMB_BALLOT
-// Eye rays of neighbouring pixels, all invocations together: they follow one node, which opens when it opens for one of them. A leaf counts
-// for those for which its own box opens, and so do all boxes around it. Every trip is the same for all, so the loops are do..while.
-void nearestOfEyeRays(vec3 o, vec3 d, int nodeCount, inout float t, inout uint best) {
+// Over all invocations of a subgroup, which all run along.
+float leastOf(float x) {
+    x = lesser(x, subgroupShuffleXor(x, 1u));
+    x = lesser(x, subgroupShuffleXor(x, 2u));
+    x = lesser(x, subgroupShuffleXor(x, 4u));
+    if (kLanes > 8u) x = lesser(x, subgroupShuffleXor(x, 8u));
+    if (kLanes > 16u) x = lesser(x, subgroupShuffleXor(x, 16u));
+    if (kLanes > 32u) x = lesser(x, subgroupShuffleXor(x, 32u));
+    if (kLanes > 64u) x = lesser(x, subgroupShuffleXor(x, 64u));
+    return x;
+}
+float mostOf(float x) { return -leastOf(-x); }
+uint sumOf(uint x) {
+    x += subgroupShuffleXor(x, 1u);
+    x += subgroupShuffleXor(x, 2u);
+    x += subgroupShuffleXor(x, 4u);
+    if (kLanes > 8u) x += subgroupShuffleXor(x, 8u);
+    if (kLanes > 16u) x += subgroupShuffleXor(x, 16u);
+    if (kLanes > 32u) x += subgroupShuffleXor(x, 32u);
+    if (kLanes > 64u) x += subgroupShuffleXor(x, 64u);
+    return x;
+}
+// Eye rays of neighbouring pixels, all invocations together: each looks at one child of the same node and asks whether any of the rays may meet
+// it. The way back stands in the invocations too, a level in each: node << 8 | children that still wait. Every trip is the same for all, so the
+// loops are do..while.
+EyeHit nearerOf(EyeHit best, float t, uint triangle, bool met) {
+    bool nearer = met && isNearer(t, triangle, best.t, best.triangle);
+    best.t = nearer ? t : best.t;
+    best.triangle = nearer ? triangle : best.triangle;
+    return best;
+}
+void nearestOfEyeRays(vec3 d, vec3 d2, bool any, out EyeHit best, out EyeHit best2) {
+    best = EyeHit(kFarthestHit, kNoObject);
+    best2 = best;
+    vec3 o = vec3(0.0);
     RayFrame frame = frameOfRay(o, d, push.reach);
-    int node = 0;
+    RayFrame frame2 = frameOfRay(o, d2, push.reach);
+    vec3 least = kPair ? lesser3(frame.inverse, frame2.inverse) : frame.inverse;
+    vec3 most = kPair ? greater3(frame.inverse, frame2.inverse) : frame.inverse;
+    RayBundle bundle = RayBundle(o, vec3(leastOf(least.x), leastOf(least.y), leastOf(least.z)), vec3(mostOf(most.x), mostOf(most.y), mostOf(most.z)),
+                                 frame.pad);
+    uint lane = gl_SubgroupInvocationID;
+    int child = int(lane & (kNodeChildren - 1u));
+    float longest = kFarthestHit;
+    uint node = kTopNode;
+    uint asked = 0xffu;
+    uint back = 0u;
+    uint further = 0u;                          // levels from kLanes on
+    uint level = 0u;
+    uint steps = 0u;
+    bool done = !any;
     do {
-        uint leaf = kInnerNode;
-        bool open = false;
+        uint met = 0u;
+        uint link = 0u;
         do {
-            uvec4 low = texelFetch(nodes, node * 2);
-            uvec4 high = texelFetch(nodes, node * 2 + 1);
-            open = node < nodeCount && opens(entryOfBox(frame, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz)),
-                                             exitOfBox(frame, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz)), t);
-            bool any = subgroupAny(open);
-            leaf = any ? high.w : kInnerNode;
-            node = any ? node + 1 : int(low.w);
-        } while (node < nodeCount && leaf == kInnerNode);
-        uint triangle = leaf != kInnerNode ? leaf : 0u;
-        TriangleHit hit = triangleAt(texelFetch(triangles, int(triangle) * 2), frame, false);
-        bool nearer = open && leaf != kInnerNode && isNearer(hit.t, triangle, t, best);
-        t = nearer ? hit.t : t;
-        best = nearer ? triangle : best;
-    } while (node < nodeCount);
-    fault |= node < nodeCount ? kFaultLoop : 0u;
+            int at = (int(node * kNodeChildren) + child) * 2;
+            uvec4 low = texelFetch(nodes, at);
+            uvec4 high = texelFetch(nodes, at + 1);
+            link = low.w;
+            vec3 from = uintBitsToFloat(low.xyz);
+            vec3 to = uintBitsToFloat(high.xyz);
+            bool open = !done && link != kNoChild && lane < kNodeChildren && opens(earliestEntry(bundle, from, to), latestExit(bundle, from, to), longest);
+            uint opened = sumOf((asked >> uint(child) & (open ? 1u : 0u)) << (link >= kLeaf ? uint(child) + 16u : uint(child)));
+            met = opened >> 16;
+            uint inner = opened & 0xffffu;
+            uint rest = inner & (inner - 1u);
+            back = rest != 0u && lane == level ? node << 8 | rest : back;
+            if (kDeep) further = rest != 0u && lane + kLanes == level ? node << 8 | rest : further;
+            level += rest != 0u ? 1u : 0u;
+            bool up = inner == 0u;
+            done = done || (up && level == 0u);
+            level -= up && level > 0u ? 1u : 0u;
+            uint next = subgroupShuffle(back, level & (kLanes - 1u));
+            if (kDeep) next = level < kLanes ? next : subgroupShuffle(further, level & (kLanes - 1u));
+            uint first = subgroupShuffle(link, uint(findLSB(inner | kNodeChildren << 8)) & (kNodeChildren - 1u));
+            node = up ? next >> 8 : first;
+            asked = up ? next & 0xffu : 0xffu;
+            steps++;
+        } while (met == 0u && !done && steps < kMostSteps);
+        do {
+            uint leaf = subgroupShuffle(link, uint(findLSB(met | kNodeChildren << 8)) & (kNodeChildren - 1u)) & ~kLeaf;
+            leaf = met != 0u ? leaf : 0u;
+            uvec4 a = texelFetch(leaves, int(leaf) * 3);
+            vec3 p0 = uintBitsToFloat(a.xyz);
+            vec3 p1 = uintBitsToFloat(texelFetch(leaves, int(leaf) * 3 + 1).xyz);
+            vec3 p2 = uintBitsToFloat(texelFetch(leaves, int(leaf) * 3 + 2).xyz);
+            best = nearerOf(best, hitTriangle(frame, p0, p1, p2, false).t, a.w, met != 0u);
+            if (kPair) best2 = nearerOf(best2, hitTriangle(frame2, p0, p1, p2, false).t, a.w, met != 0u);
+            met &= met - 1u;
+            steps++;
+        } while (met != 0u);
+        longest = mostOf(kPair ? greater(best.t, best2.t) : best.t);
+    } while (!done && steps < kMostSteps);
+    fault |= !done ? kFaultLoop : 0u;
 }
 #endif
 
 float shareThatPasses(uint material) { return texelFetch(materials, int(material) * kTraceMaterialTexels + 3).y; }
 
-#ifdef PLUMB_BALLOT
-// Sum over the invocations that run along, of values below 2^bits.
-uint sumOf(uint value, uint bits) {
-    uint sum = 0u;
-    for (uint b = 0u; b < bits; ++b) sum += subgroupBallotBitCount(subgroupBallot((value >> b & 1u) != 0u)) << b;
-    return sum;
-}
-#endif
-// Without a list all invocations that still run are at the same depth.
 void countRay(uint depth, uint kind, uint feelers, uint undecided) {
     uint first = (depth - 1u) * kCountKinds;
-#ifdef PLUMB_BALLOT
-    if (!kList) {
-        uvec4 running = subgroupBallot(true);
-        uint rays = subgroupBallotBitCount(running);
-        uint refracted = subgroupBallotBitCount(subgroupBallot(kind == kCountRefracted));
-        uint sent = sumOf(feelers, kFeelerBits);
-        uint lost = kBoards == 0 ? 0u : subgroupBallotBitCount(subgroupBallot(undecided != 0u));
-        bool several = kBoards != 0 && kBoards != 1;
-        if (gl_SubgroupInvocationID == subgroupBallotFindLSB(running)) {
-            atomicAdd(counters[first + (depth == 1u ? kCountPrimary : kCountReflected)], rays - refracted);
-            if (refracted > 0u) atomicAdd(counters[first + kCountRefracted], refracted);
-            if (sent > 0u) atomicAdd(counters[first + kCountFeelers], sent);
-            if (lost > 0u && !several) atomicAdd(counters[kCountUndecided], lost);
-        }
-        if (several && undecided > 0u) atomicAdd(counters[kCountUndecided], undecided);
-        return;
-    }
-#endif
     atomicAdd(counters[first + kind], 1u);
     if (feelers > 0u) atomicAdd(counters[first + kCountFeelers], feelers);
     if (undecided > 0u) atomicAdd(counters[kCountUndecided], undecided);
+}
+#ifdef PLUMB_BALLOT
+// Without a list all invocations of a subgroup are at the same depth: the counts of depth n gather in invocation n - 1.
+bool countsTogether() { return kCount && !kList; }
+uvec3 gathered = uvec3(0u);                     // rays, refracted ones among them, feelers
+uint lost = 0u;                                 // undecided
+void addCounts(uint depth, uvec3 counted) {
+    uint first = (depth - 1u) * kCountKinds;
+    if (counted.x > counted.y) atomicAdd(counters[first + (depth == 1u ? kCountPrimary : kCountReflected)], counted.x - counted.y);
+    if (kRefracts && counted.y > 0u) atomicAdd(counters[first + kCountRefracted], counted.y);
+    if (kLights && counted.z > 0u) atomicAdd(counters[first + kCountFeelers], counted.z);
+}
+// All invocations of a subgroup run along, with zeros where they have no ray.
+void gather(uint depth, uint rays, uint refractedRays, uint feelers, uint undecided) {
+    uvec3 counted = uvec3(sumOf(rays), kRefracts ? sumOf(refractedRays) : 0u, kLights ? sumOf(feelers) : 0u);
+    if (kLongPaths && depth > kLanes) {
+        if (gl_SubgroupInvocationID == 0u) addCounts(depth, counted);
+    } else {
+        gathered += gl_SubgroupInvocationID == depth - 1u ? counted : uvec3(0u);
+    }
+    lost += undecided;
+}
+void addGathered() {
+    addCounts(gl_SubgroupInvocationID + 1u, gathered);
+    if (kBoards != 0) {
+        uint all = sumOf(lost);
+        if (gl_SubgroupInvocationID == 0u && all > 0u) atomicAdd(counters[kCountUndecided], all);
+    }
+}
+#else
+bool countsTogether() { return false; }
+#endif
+
+// Whether the loop over rays goes on: for all invocations alike where they count together.
+bool goesOn(bool alive) {
+#ifdef PLUMB_BALLOT
+    if (countsTogether()) return sumOf(alive ? 1u : 0u) != 0u;
+#endif
+    return alive;
 }
 
 uint encode(float x) {
@@ -184,30 +296,25 @@ uint encode(float x) {
     return uint(encodeInBucket(clamped, int(texelFetch(encodeTable, encodeBucket(clamped)).x)));
 }
 
-void main() {
-    // Every other workgroup: threads of lavapipe take halves of the workgroups, and a half of a picture may be sky.
-    uint groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
-    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint half_ = (groups + 1u) >> 1u;
-    group = group < half_ ? group * 2u : (group - half_) * 2u + 1u;
-    uint item = group * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
-    hold();
-    bool mine = item < push.itemCount;
-    item = min(item, push.itemCount - 1u);
-    uint place = push.firstItem + item;
-    uint row = place / push.width;
-    uint column = place - row * push.width;
+// Column and row of a sample in the frame.
+uvec2 placeOf(uint column, uint row) {
+    if (!kListed) return uvec2(column, row);
+    uint pixel = texelFetch(pixels, int(column / kSide)).x;
+    return uvec2((pixel & 0xffffu) * kSide + column % kSide, (pixel >> 16) * kSide + row);
+}
+uint keyAt(uvec2 place) { return hasKeys() ? keyOfSample(place.x, place.y, push.seed) : 0u; }
+vec3 eyeDirection(uvec2 place) {
+    uint key = keyAt(place);
+    return primaryDirection(push.rayOrigin, push.rayX, push.rayY, columnOf(kSampling, place.x, kSide, key), rowOf(kSampling, place.y, kSide, key));
+}
+
+// A sample of this dispatch, from the eye to what it leaves.
+void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
     uint word = (row - push.firstRow) * push.rowWords + column;
     int lightCount = int(push.lightCount);
-
     vec3 o = vec3(0.0);
-    if (kListed) {
-        uint pixel = texelFetch(pixels, int(column / kSide)).x;
-        column = (pixel & 0xffffu) * kSide + column % kSide;
-        row = (pixel >> 16) * kSide + row;
-    }
-    uint key = kKeys ? keyOfSample(column, row, push.seed) : 0u;
-    vec3 d = primaryDirection(push.rayOrigin, push.rayX, push.rayY, columnOf(kSampling, column, kSide, key), rowOf(kSampling, row, kSide, key));
+    uint key = keyAt(placeOf(column, row));
+    vec3 d = eyeDirection(placeOf(column, row));
     vec4 levels[kLevels];                       // of each ray: its own part of the colour, the share of what it is followed by
     float weight = 1.0;
     uint from = kNoObject;
@@ -229,12 +336,12 @@ void main() {
     bool begun = alive;
     bool take = kList && push.first == 0u;      // the next ray comes from the list
     uint rays = 0u;
-#ifdef PLUMB_BALLOT
-    float eyeT = kFarthestHit;
-    uint eyeTriangle = kNoObject;
-    if (kMeshes) nearestOfEyeRays(o, d, push.first != 0u ? int(push.nodeCount) : 0, eyeT, eyeTriangle);
-#endif
+    uint trips = 0u;
     do {
+      bool runs = alive;
+      bool bent = kind == kCountRefracted;
+      uint feelers = 0u;
+      uint undecided = 0u;
       if (alive) {
         rays++;
         if (kList && take) {
@@ -252,7 +359,6 @@ void main() {
         }
         float t = kFarthestHit;
         uint best = kNoObject;
-        uint undecided = 0u;
         int i = 0;
         for (i = 0; i < sphereCount(); ++i) {
             SphereHit hit = sphereAt(i, o, d, from, inside);
@@ -271,35 +377,34 @@ void main() {
         fault |= i < boardCount() ? kFaultLoop : 0u;
         uint firstTriangle = push.sphereCount + push.planeCount;
         RayFrame frame;
-        int nodeCount = int(push.nodeCount);
+        int children = int(push.childCount);
         if (kMeshes) {
             frame = frameOfRay(o, d, push.reach);
-            int node = 0;
-#ifdef PLUMB_BALLOT
-            if (rays == 1u && push.first != 0u) {
-                bool nearer = eyeTriangle != kNoObject && isNearer(eyeT, firstTriangle + eyeTriangle, t, best);
-                t = nearer ? eyeT : t;
-                best = nearer ? firstTriangle + eyeTriangle : best;
-                node = nodeCount;
+            int child = 0;
+            if (kEyeTogether && rays == 1u && push.first != 0u) {
+                bool nearer = eye.triangle != kNoObject && isNearer(eye.t, firstTriangle + eye.triangle, t, best);
+                t = nearer ? eye.t : t;
+                best = nearer ? firstTriangle + eye.triangle : best;
+                child = children;
             }
-#endif
-            while (node < nodeCount) {
-                uint leaf = kInnerNode;
-                while (node < nodeCount && leaf == kInnerNode) {
-                    uvec4 low = texelFetch(nodes, node * 2);
-                    uvec4 high = texelFetch(nodes, node * 2 + 1);
-                    bool open = opens(entryOfBox(frame, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz)),
-                                      exitOfBox(frame, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz)), t);
-                    leaf = open ? high.w : kInnerNode;
-                    node = open ? node + 1 : int(low.w);
+            if (!kEyeTogether || kChildren || kList) {
+                while (child < children) {
+                    uint link = 0u;
+                    while (child < children && link < kLeaf) {
+                        uvec4 low = texelFetch(nodes, child * 2);
+                        uvec4 high = texelFetch(nodes, child * 2 + 1);
+                        bool open = opensFor(frame, low, high, t);
+                        link = open ? low.w : 0u;
+                        child = open && link < kLeaf ? int(link * kNodeChildren) : int(high.w);
+                    }
+                    uint triangle;
+                    TriangleHit hit = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, frame, from - firstTriangle, triangle);
+                    bool nearer = link >= kLeaf && isNearer(hit.t, firstTriangle + triangle, t, best);
+                    t = nearer ? hit.t : t;
+                    best = nearer ? firstTriangle + triangle : best;
                 }
-                uint triangle = leaf != kInnerNode ? leaf : 0u;
-                TriangleHit hit = triangleAt(texelFetch(triangles, int(triangle) * 2), frame, firstTriangle + triangle == from);
-                bool nearer = leaf != kInnerNode && isNearer(hit.t, firstTriangle + triangle, t, best);
-                t = nearer ? hit.t : t;
-                best = nearer ? firstTriangle + triangle : best;
+                fault |= child < children ? kFaultLoop : 0u;
             }
-            fault |= node < nodeCount ? kFaultLoop : 0u;
         }
         bool hits = best != kNoObject;
         bool ball = best < push.sphereCount;
@@ -307,15 +412,21 @@ void main() {
         int sphere = ball ? int(best) : 0;
         int board = hits && !ball && !mesh ? int(best - push.sphereCount) : 0;
 
-        SurfacePoint s;
-        vec4 sphereRecord = texelFetch(spheres, sphere);
-        SurfacePoint onSphere = pointOnSphere(sphereRecord.xyz, sphereRecord.w, sphereOf(sphereRecord, sphere, o, d, from, inside).offset);
-        PlaneHit onBoard = boardOf(board, o, d, from, inside);
-        SurfacePoint onPlane = pointOnPlane(texelFetch(boards, board * kPlaneTexels).xyz, onBoard.point);
-        s.point = ball ? onSphere.point : onPlane.point;
-        s.normal = ball ? onSphere.normal : onPlane.normal;
-        s.error = ball ? onSphere.error : onPlane.error;
-        uint material = ball ? texelFetch(surfaces, sphere).x : materialOfBoard(board, onBoard);
+        SurfacePoint s = SurfacePoint(vec3(0.0), vec3(0.0), vec3(0.0));
+        uint material = 0u;
+        if (kBoards != 0) {
+            PlaneHit onBoard = boardOf(board, o, d, from, inside);
+            s = pointOnPlane(texelFetch(boards, board * kPlaneTexels).xyz, onBoard.point);
+            material = materialOfBoard(board, onBoard);
+        }
+        if (kSpheres != 0) {
+            vec4 sphereRecord = texelFetch(spheres, sphere);
+            SurfacePoint onSphere = pointOnSphere(sphereRecord.xyz, sphereRecord.w, sphereOf(sphereRecord, sphere, o, d, from, inside).offset);
+            s.point = ball ? onSphere.point : s.point;
+            s.normal = ball ? onSphere.normal : s.normal;
+            s.error = ball ? onSphere.error : s.error;
+            material = ball ? texelFetch(surfaces, sphere).x : material;
+        }
         vec3 smoothNormal = s.normal;
         if (kMeshes) {
             int triangle = mesh ? int(best - firstTriangle) : 0;
@@ -350,9 +461,8 @@ void main() {
         Reflectance k = Reflectance(diffuse.x, diffuse.y, diffuse.z, specular.x, specular.y, specular.z, base.w, diffuse.w);
         ShadeParts parts = ShadeParts(true, kSpecular, kPointLights, kPowerExact);
         vec3 q = leaveSurface(s.point, n, s.error);
-        uint feelers = 0u;
         int light = 0;
-        do {
+        if (kLights) do {
           if (local && light < lightCount) {
             vec4 lightPlace = texelFetch(lights, light * kLightTexels);
             vec4 intensity = texelFetch(lights, light * kLightTexels + 1);
@@ -374,25 +484,24 @@ void main() {
                 fault |= i < boardCount() ? kFaultLoop : 0u;
                 if (kMeshes) {
                     RayFrame along = frameOfRay(q, feeler.direction, push.reach);
-                    int node = 0;
-                    while (above && passed > 0.0 && node < nodeCount) {
-                        uint leaf = kInnerNode;
-                        while (node < nodeCount && leaf == kInnerNode) {
-                            uvec4 low = texelFetch(nodes, node * 2);
-                            uvec4 high = texelFetch(nodes, node * 2 + 1);
-                            bool open = opens(entryOfBox(along, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz)),
-                                              exitOfBox(along, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz)), feeler.reach);
-                            leaf = open ? high.w : kInnerNode;
-                            node = open ? node + 1 : int(low.w);
+                    int child = 0;
+                    while (above && passed > 0.0 && child < children) {
+                        uint link = 0u;
+                        while (child < children && link < kLeaf) {
+                            uvec4 low = texelFetch(nodes, child * 2);
+                            uvec4 high = texelFetch(nodes, child * 2 + 1);
+                            bool open = opensFor(along, low, high, feeler.reach);
+                            link = open ? low.w : 0u;
+                            child = open && link < kLeaf ? int(link * kNodeChildren) : int(high.w);
                         }
-                        uint triangle = leaf != kInnerNode ? leaf : 0u;
-                        uvec4 words = texelFetch(triangles, int(triangle) * 2);
-                        TriangleHit hit = triangleAt(words, along, firstTriangle + triangle == best);
+                        uint triangle;
+                        TriangleHit hit = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, along, best - firstTriangle, triangle);
+                        uint owner = texelFetch(triangles, int(triangle) * 2).w;
                         float slope = dot3(feeler.direction, uintBitsToFloat(texelFetch(triangles, int(triangle) * 2 + 1).xyz));
-                        bool met = leaf != kInnerNode && blocks(hit.t, feeler.reach);
-                        passed *= met ? passesTriangle(shareThatPasses(words.w), slope) : 1.0;
+                        bool met = link >= kLeaf && blocks(hit.t, feeler.reach);
+                        passed *= met ? passesTriangle(shareThatPasses(owner), slope) : 1.0;
                     }
-                    fault |= above && passed > 0.0 && node < nodeCount ? kFaultLoop : 0u;
+                    fault |= above && passed > 0.0 && child < children ? kFaultLoop : 0u;
                 }
             }
             passed = above ? passed : 0.0;
@@ -400,7 +509,7 @@ void main() {
           }
           light++;
         } while (light < lightCount);
-        fault |= local && light < lightCount ? kFaultLoop : 0u;
+        fault |= kLights && local && light < lightCount ? kFaultLoop : 0u;
         float share = weight * specular.w;
         vec3 added = vec3(c.r, c.g, c.b) * share;
         added = hits ? (local ? added : vec3(0.0)) : push.sky * weight;
@@ -410,7 +519,7 @@ void main() {
             levels[depth - 1u] = vec4(local || !hits ? own : vec3(0.0), hits ? shares.x : 0.0);
         }
 
-        if (kCount) countRay(depth, kind, feelers, undecided);
+        if (kCount && !countsTogether()) countRay(depth, kind, feelers, undecided);
         if (rays == 1u && push.first != 0u) {
             primaryBits = hits ? 1u : 0u;
             if ((kPlanes & kTracePlaneDistance) != 0u) planes[word] = hits ? floatBitsToUint(t) : 0u;
@@ -423,8 +532,8 @@ void main() {
         }
 
         Children next = childrenOf(d, seen, within, shares.x, shares.y, shares.z, shares.w, weight, depth, push.maxDepth, push.minWeight);
-        bool mirror = hits && next.mirror;
-        bool pass = hits && next.pass;
+        bool mirror = kChildren && hits && next.mirror;
+        bool pass = kRefracts && hits && next.pass;
         if (!kList) fault |= mirror && pass ? kFaultRange : 0u;
         if (kJitterMirror != 0u) next.mirrorDirection = jittered(next.mirrorDirection, n, uintBitsToFloat(kJitterMirror), keyOfChild(key, kCountReflected));
         if (kJitterPass != 0u) next.passDirection = jittered(next.passDirection, n, uintBitsToFloat(kJitterPass), keyOfChild(key, kCountRefracted));
@@ -441,21 +550,26 @@ void main() {
             waiting[slot + 6u] = floatBitsToUint(next.passWeight);
             waiting[slot + 7u] = best;
             waiting[slot + 8u] = depth << 3 | kCountRefracted << 1 | (within ? 0u : 1u);
-            waiting[slot + 9u] = kKeys ? keyOfChild(key, kCountRefracted) : 0u;
+            waiting[slot + 9u] = hasKeys() ? keyOfChild(key, kCountRefracted) : 0u;
             waits++;
         }
         bool onward = mirror || (!kList && pass);
-        o = mirror ? q : behind;
-        d = mirror ? next.mirrorDirection : next.passDirection;
-        weight = mirror ? next.mirrorWeight : next.passWeight;
-        kind = mirror ? kCountReflected : kCountRefracted;
-        if (kKeys) key = keyOfChild(key, kind);
+        bool back = !kRefracts || mirror;
+        o = back ? q : behind;
+        d = back ? next.mirrorDirection : next.passDirection;
+        weight = back ? next.mirrorWeight : next.passWeight;
+        kind = back ? kCountReflected : kCountRefracted;
+        if (hasKeys()) key = keyOfChild(key, kind);
         from = best;
-        inside = mirror ? within : !within;
+        inside = back ? within : !within;
         take = !onward;
         alive = onward || (kList && waits > 0u);
       }
-    } while (alive && rays < push.rayLimit);
+      trips++;
+#ifdef PLUMB_BALLOT
+      if (countsTogether()) gather(trips, runs ? 1u : 0u, runs && bent ? 1u : 0u, feelers, undecided);
+#endif
+    } while ((kChildren || kList) && trips < push.rayLimit && goesOn(alive));
     if (kList && begun && alive) {
         // The limit of this dispatch: the current ray waits too, on top.
         if (!take) {
@@ -501,5 +615,56 @@ void main() {
             planes[word + (kSlotLinear + 2u) * push.planeWords] = floatBitsToUint(colour.z);
         }
     }
+}
+
+void main() {
+    // Every other workgroup: threads of lavapipe take halves of the workgroups, and a half of a picture may be sky.
+    uint groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    uint half_ = (groups + 1u) >> 1u;
+    group = group < half_ ? group * 2u : (group - half_) * 2u + 1u;
+    uint item = group * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
+    hold();
+    bool mine = item < push.itemCount;
+    item = min(item, push.itemCount - 1u);
+    uint column = 0u;
+    uint row = 0u;                              // of the dispatch, kTiles, or of the frame
+    uint rows = 0xffffffffu;
+    uint firstRow = 0u;
+    if (kTiles) {
+        uint tile = item >> 3u;
+        uint across = (push.width + 3u) >> 2u;
+        uint down = tile / across;
+        column = (tile - down * across) * 4u + (item & 3u);
+        row = down * (kPair ? 4u : 2u) + ((item >> 2u) & 1u);
+        mine = mine && column < push.width;
+        column = min(column, push.width - 1u);
+        firstRow = push.firstItem / push.width;
+        rows = push.tileRows;
+    } else {
+        uint place = push.firstItem + item;
+        row = place / push.width;
+        column = place - row * push.width;
+    }
+    EyeHit eye = EyeHit(kFarthestHit, kNoObject);
+    EyeHit eye2 = eye;
+    uint rowInside = firstRow + min(row, rows - 1u);
+    uint rowBelow = firstRow + min(row + 2u, rows - 1u);
+#ifdef PLUMB_BALLOT
+    if (kEyeTogether)
+        nearestOfEyeRays(eyeDirection(placeOf(column, rowInside)), eyeDirection(placeOf(column, kPair ? rowBelow : rowInside)), push.first != 0u, eye, eye2);
+#endif
+    uint turn = 0u;
+    do {
+        bool second = kPair && turn == 1u;
+        EyeHit mineSeen = eye;
+        mineSeen.t = second ? eye2.t : eye.t;
+        mineSeen.triangle = second ? eye2.triangle : eye.triangle;
+        traceSample(item, column, second ? rowBelow : rowInside, mine && (second ? row + 2u : row) < rows, mineSeen);
+        turn++;
+    } while (kPair && turn < 2u);
+#ifdef PLUMB_BALLOT
+    if (countsTogether()) addGathered();
+#endif
     finish(push.statusSlot, fault);
 }

@@ -18,7 +18,9 @@ struct TraceScene {
     std::vector<uint32_t> surfaces;            // material of each sphere and plane
     std::vector<glm::vec4> corners;            // two each: position, normal
     std::vector<glm::uvec4> triangles;         // two each: corners and material, bits of the geometric normal
-    std::vector<glm::uvec4> nodes;             // two each (tree.h)
+    std::vector<glm::uvec4> nodes;             // of the tree: two words a child (tree.h)
+    std::vector<glm::uvec4> leaves;            // of the tree, three each
+    uint32_t depth = 0;                        // of the tree
     float reach = 0;                           // largest |coordinate| of a corner
     std::vector<gpu::TraceMaterial> materials;
     std::vector<gpu::LightRecord> lights;
@@ -33,7 +35,8 @@ struct TraceChoices {
     bool list = false;                         // keep waiting rays in a list; needed where a hit has two children
     bool shadows = true;
     bool count = true;
-    bool ballot = false;                       // device: counts are summed over subgroups (DeviceLimits::subgroupShuffle)
+    uint32_t lanes = 0;                        // device: invocations of a subgroup that work together (DeviceLimits::subgroupShuffle); 0: none
+    bool tiles = false;                        // device: samples of whole rows, in tiles (push.tileRows); not with `list`
     uint32_t sampling = gpu::kSampleGrid, side = 1;   // side: samples a pixel along an axis
     std::span<const uint32_t> pixels;          // x | y << 16: the samples of these pixels alone, `side` rows of `side` a pixel; empty: of all
     bool cutLevels = false;                    // colours in whole levels; no material has two children and no ray waits
@@ -60,13 +63,15 @@ struct TraceBuffers {
     Buffer<gpu::TraceMaterial> materials;
     Buffer<gpu::LightRecord> lights;
     Buffer<glm::vec4> corners;
-    Buffer<glm::uvec4> triangles, nodes;
+    Buffer<glm::uvec4> triangles, nodes, leaves;
     Buffer<uint32_t> encodeTable, pixels;
     Buffer<uint32_t> colours, planeWords;      // of a band
     Buffer<uint32_t> counters;                 // gpu::kCounters
     Buffer<uint32_t> waiting, states;          // list form: of the samples of one dispatch
 };
 
+// Whether an invocation takes two samples: tiles are then 4 x 4, and push.itemCount counts invocations.
+bool tracesPairs(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices);
 void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices,
                  const Specialization& exact, const TraceBuffers& buffers);
 

@@ -103,19 +103,18 @@ private:
         return {gpu::realOf(int(words.x)), gpu::realOf(int(words.y)), gpu::realOf(int(words.z))};
     }
 
-    // Calls visit(node, triangle) for each leaf below `node` that the ray may meet before `longest()`.
+    // Calls visit(leaf, triangle) for each leaf below `node` that the ray may meet before `longest()`, the last first.
     template <class Longest, class Visit>
     void walk(uint32_t node, const gpu::RayFrame& frame, const Longest& longest, const Visit& visit) const {
-        const glm::uvec4 &a = scene_.nodes[2 * size_t(node)], &b = scene_.nodes[2 * size_t(node) + 1];
-        const glm::vec3 low = floatsOf(a), high = floatsOf(b);
-        if (!gpu::opens(gpu::entryOfBox(frame, low, high), gpu::exitOfBox(frame, low, high), longest())) return;
-        if (b.w != gpu::kInnerNode) {
-            visit(node, b.w);
-            return;
+        for (uint32_t child = gpu::kNodeChildren; child-- > 0;) {
+            const size_t at = 2 * (size_t(node) * gpu::kNodeChildren + child);
+            const glm::uvec4 &a = scene_.nodes[at], &b = scene_.nodes[at + 1];
+            const glm::vec3 low = floatsOf(a), high = floatsOf(b);
+            if (a.w == gpu::kNoChild) continue;
+            if (!gpu::opens(gpu::entryOfBox(frame, low, high), gpu::exitOfBox(frame, low, high), longest())) continue;
+            if (a.w & gpu::kLeaf) visit(a.w & ~gpu::kLeaf, scene_.leaves[3 * size_t(a.w & ~gpu::kLeaf)].w);
+            else walk(a.w, frame, longest, visit);
         }
-        const uint32_t first = node + 1, second = scene_.nodes[2 * size_t(first)].w;
-        walk(second, frame, longest, visit);
-        walk(first, frame, longest, visit);
     }
 
     Nearest nearest(const TwinRay& ray) {
@@ -160,15 +159,15 @@ private:
 
     // What a feeler lets through.
     float passed(const glm::vec3& q, const gpu::Feeler& feeler, uint32_t from, bool inside) const {
-        std::vector<std::pair<uint32_t, float>> blockers;  // triangles by their place in the tree
+        std::vector<std::pair<uint32_t, float>> blockers;  // triangles by their leaf
         if (!scene_.nodes.empty()) {
             const gpu::RayFrame frame = gpu::frameOfRay(q, feeler.direction, scene_.reach);
             walk(0, frame, [&] { return feeler.reach; },
-                 [&](uint32_t node, uint32_t i) {
+                 [&](uint32_t leaf, uint32_t i) {
                      if (!gpu::blocks(triangle(i, frame, firstTriangle() + i == from).t, feeler.reach)) return;
                      const float slope = gpu::dot3(feeler.direction, floatsOf(scene_.triangles[2 * size_t(i) + 1]));
                      const float share = scene_.materials[scene_.triangles[2 * size_t(i)].w].transmit;
-                     blockers.emplace_back(firstTriangle() + node, gpu::passesTriangle(share, slope));
+                     blockers.emplace_back(firstTriangle() + leaf, gpu::passesTriangle(share, slope));
                  });
         }
         for (size_t i = scene_.planes.size(); i-- > 0;) {

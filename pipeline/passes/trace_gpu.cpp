@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/passes/trace.h"
 
+#include <algorithm>
 #include <bit>
 #include <spirv/trace.h>
 #include <spirv/trace_ballot.h>
@@ -8,9 +9,23 @@
 namespace plumb {
 
 namespace {
+// A walk of eye rays together keeps node << 8 | children on its way back, and two levels of the way in each invocation of a subgroup.
+bool walksTogether(const TraceScene& scene, uint32_t lanes) {
+    return !scene.nodes.empty() && scene.depth <= 2 * lanes && scene.nodes.size() / (2 * gpu::kNodeChildren) < (1u << 24);
+}
+
 // Loops over so few spheres and planes unroll, and records of fewer stay in registers; more of them make lavapipe's kernel spill.
 constexpr size_t kUnrolledSpheres = 24, kUnrolledPlanes = 2, kHeldSpheres = 4, kHeldPlanes = 1;
+// Whether some hit may send on a ray of this share.
+bool sends(const gpu::TracePush& push, const TraceScene& scene, float gpu::TraceMaterial::* share) {
+    return push.maxDepth > 1 && std::any_of(scene.materials.begin(), scene.materials.end(), [&](const gpu::TraceMaterial& m) { return m.*share > 0; });
+}
 }  // namespace
+
+bool tracesPairs(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices) {
+    return walksTogether(scene, choices.lanes) && choices.tiles && !choices.list && !sends(push, scene, &gpu::TraceMaterial::reflect) &&
+           !sends(push, scene, &gpu::TraceMaterial::transmit);
+}
 
 void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices,
                  const Specialization& exact, const TraceBuffers& b) {
@@ -37,12 +52,22 @@ void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScen
     constants[20] = planes <= kUnrolledPlanes ? uint32_t(planes) : ~0u;
     constants[21] = spheres <= kHeldSpheres && planes <= kHeldPlanes;
     constants[22] = uint32_t(std::bit_width(scene.lights.size()));
-    recorder.dispatch("trace", choices.ballot ? spirv::trace_ballot : spirv::trace, push.itemCount, push,
+    const bool refracts = sends(push, scene, &gpu::TraceMaterial::transmit);
+    constants[23] = std::max(1u, choices.lanes);
+    constants[24] = !scene.lights.empty();
+    constants[25] = refracts || sends(push, scene, &gpu::TraceMaterial::reflect);
+    constants[26] = refracts;
+    constants[27] = walksTogether(scene, choices.lanes);
+    constants[28] = choices.tiles;
+    constants[29] = scene.depth > choices.lanes;
+    constants[30] = push.maxDepth > choices.lanes;
+    constants[31] = tracesPairs(push, scene, choices);
+    recorder.dispatch("trace", choices.lanes ? spirv::trace_ballot : spirv::trace, push.itemCount, push,
                       {texels(b.spheres, View::texelF32x4), texels(b.planes, View::texelF32x4), texels(b.surfaces, View::texelU32),
                        texels(b.materials, View::texelF32x4), texels(b.lights, View::texelF32x4), texels(b.encodeTable, View::texelU32),
                        storage(b.colours), storage(b.planeWords), storage(b.counters), storage(b.waiting), storage(b.states),
                        texels(b.nodes, View::texelU32x4), texels(b.triangles, View::texelU32x4), texels(b.corners, View::texelF32x4),
-                       texels(b.pixels, View::texelU32)},
+                       texels(b.pixels, View::texelU32), texels(b.leaves, View::texelU32x4)},
                       constants);
 }
 

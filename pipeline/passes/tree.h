@@ -9,8 +9,14 @@
 
 namespace plumb {
 
-// Two words a node (shaders/shared/trace.h). `corners` are positions relative to the eye, three a triangle. Of two children the one whose
-// box is nearer to the eye stands first, so primary rays meet what is near first. Empty for no triangles.
-std::vector<glm::uvec4> treeOfTriangles(std::span<const glm::vec3> corners);
+struct TriangleTree {
+    std::vector<glm::uvec4> nodes;   // gpu::kNodeChildren children a node, two words each (shaders/shared/trace.h)
+    std::vector<uint32_t> leaves;    // triangles in the order in which a walk from the first child to the last meets them
+    uint32_t depth = 0;              // most nodes one below another
+};
+
+// `corners` are positions relative to the eye, three a triangle. Children whose boxes are nearer to the eye stand first, so primary rays meet
+// what is near first. Empty for no triangles.
+TriangleTree treeOfTriangles(std::span<const glm::vec3> corners);
 
 }  // namespace plumb

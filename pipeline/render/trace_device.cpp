@@ -64,7 +64,7 @@ public:
                 std::max<uint64_t>(kLeastSamples, kWaitingBytes / (4ull * gpu::kWaitingWords * push_.maxDepth));
         samples_ = std::clamp<uint64_t>(kFirstWork / (work * std::min<uint64_t>(push_.maxDepth, kUsualRays)),
                                         kLeastSamples, mostSamples_);
-        choices_.ballot = device.limits().subgroupShuffle;
+        choices_.lanes = device.limits().subgroupShuffle ? device.limits().subgroupSize : 0;
         choices_.colour = !resolves();
         choices_.planes = resolves() ? gpu::kTracePlaneDistance | gpu::kTracePlaneLinear : 0u;
         if (request.planes & (kPlaneDepth | kPlaneDistance | kPlaneZ | kPlaneObject | kPlanePrimitive | kPlaneNormal))
@@ -135,6 +135,7 @@ private:
         put(buffers_.corners, traced_.corners, "corners");
         put(buffers_.triangles, traced_.triangles, "triangles");
         put(buffers_.nodes, traced_.nodes, "tree");
+        put(buffers_.leaves, traced_.leaves, "leaves of the tree");
         put(buffers_.encodeTable, srgbBucketTable(), "encode table");
         put(buffers_.pixels, std::vector<uint32_t>(1), "pixels to refine");
         buffers_.counters.reserve(device_, gpu::kCounters, "ray counters");
@@ -173,11 +174,17 @@ private:
     }
 
     // Samples [begin, end) of a frame of `all`, until none has a ray waiting.
-    void trace(gpu::TracePush& push, const TraceChoices& choices, uint64_t begin, uint64_t end, double all) {
+    void trace(gpu::TracePush& push, TraceChoices choices, uint64_t begin, uint64_t end, double all) {
         for (uint64_t at = begin, count = 0; at < end; at += count) {
-            count = std::min(samples_, end - at);
+            // Whole rows in tiles, where a dispatch has four of them: the rays of a subgroup then stay close together.
+            const uint64_t fourRows = uint64_t(push.width) * 4;
+            choices.tiles = !choices.list && choices.pixels.empty() && samples_ >= fourRows;
+            count = std::min(choices.tiles ? samples_ / fourRows * fourRows : samples_, end - at);
             push.firstItem = uint32_t(at);
             push.itemCount = uint32_t(count);
+            push.tileRows = uint32_t(count / push.width);
+            const uint32_t tileRows = tracesPairs(push, traced_, choices) ? 4 : 2;
+            if (choices.tiles) push.itemCount = (push.width + 3) / 4 * ((push.tileRows + tileRows - 1) / tileRows) * 8;
             push.first = 1;
             double longestMs = 0;
             for (uint32_t unfinished = 1; unfinished != 0; push.first = 0) {
@@ -202,7 +209,7 @@ private:
             warm_ = true;
         else if (longestMs > kLongMs)
             samples_ = std::max(kLeastSamples, samples_ / 2);
-        else if (longestMs < kShortMs && count == samples_)
+        else if (longestMs < kShortMs && count * 2 > samples_)
             samples_ = std::min(mostSamples_, samples_ * 2);
     }
 

@@ -176,7 +176,7 @@ gpu::TracePush tracePushOf(const Prepared& p, const RenderRequest& request, cons
     push.sphereCount = uint32_t(traced.spheres.size());
     push.planeCount = uint32_t(traced.planes.size());
     push.lightCount = uint32_t(traced.lights.size());
-    push.nodeCount = uint32_t(traced.nodes.size() / 2);
+    push.childCount = uint32_t(traced.nodes.size() / 2);
     push.reach = traced.reach;
     push.maxDepth = std::clamp(request.maxDepth, 1u, gpu::kRayDepthLimit);
     push.minWeight = request.minWeight;

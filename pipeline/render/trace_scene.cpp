@@ -17,7 +17,7 @@ constexpr double kFarthest = 0x1p60;      // gpu::kFarthestHit
 constexpr double kLeastRadius = 0x1p-30;  // of the near plane: squares and their errors stay normal
 constexpr double kFarRadii = 256;         // beyond, the plain form loses more than 2^-14 of the radius (docs/accuracy.md, rays)
 constexpr float kUnbounded = 0x1p100f;
-constexpr size_t kMostParts = size_t(1) << 26;  // texels of a device: 2^27, two a part
+constexpr size_t kMostParts = size_t(1) << 25;  // texels of a device: 2^27, at most three a part
 
 class Records {
 public:
@@ -32,7 +32,15 @@ public:
         std::vector<glm::vec3> triangles;
         for (size_t i = 0; i < out_.triangles.size(); i += 2)
             for (int k = 0; k < 3; ++k) triangles.emplace_back(out_.corners[2 * size_t(out_.triangles[i][k])]);
-        out_.nodes = treeOfTriangles(triangles);
+        TriangleTree tree = treeOfTriangles(triangles);
+        out_.nodes = std::move(tree.nodes);
+        out_.depth = tree.depth;
+        out_.leaves.reserve(tree.leaves.size() * 3);
+        for (const uint32_t t : tree.leaves)
+            for (size_t k = 0; k < 3; ++k) {
+                const glm::vec3& c = triangles[3 * size_t(t) + k];
+                out_.leaves.emplace_back(gpu::ubitsOf(c.x), gpu::ubitsOf(c.y), gpu::ubitsOf(c.z), k == 0 ? t : 0u);
+            }
         for (const glm::vec3& c : triangles) out_.reach = std::max({out_.reach, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
         reach_ = std::max(reach_, 2 * out_.reach);
         for (const glm::vec4& s : out_.spheres) out_.far |= double(reach_) * 2 > kFarRadii * double(s.w);

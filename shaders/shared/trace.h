@@ -13,9 +13,14 @@ SHARED_BEGIN
 SHARED_CONST uint kRayDepthLimit = 64u;     // of rays one after another; the primary ray has depth 1
 
 // Objects that rays meet are counted in one row: spheres, planes, triangles. A mesh has, as texels: two a corner (position, normal), two a
-// triangle (corners and material; bits of its geometric normal), two a node of its tree: (box low, node that follows when this one is passed
-// over), (box high, triangle or kInnerNode). Nodes stand in depth-first order, a leaf holds one triangle.
-SHARED_CONST uint kInnerNode = 0xffffffffu;
+// triangle (corners and material; bits of its geometric normal), three a leaf of its tree (a triangle's corners as bits, the first with its
+// number), two a child of a node (box low, link; box high, the child to go on with when this one is passed over or done). A link is a node,
+// kLeaf + a leaf, or kNoChild; a leaf is one triangle. Child c of node n has number n kNodeChildren + c. Node 0 has one child, the whole tree,
+// whose children are those of kTopNode. Leaves are numbered as a walk from each node's first child to its last meets them.
+SHARED_CONST uint kNodeChildren = 8u;
+SHARED_CONST uint kTopNode = 1u;
+SHARED_CONST uint kLeaf = 0x80000000u;
+SHARED_CONST uint kNoChild = 0xffffffffu;
 
 // Four texels.
 struct TraceMaterial {
@@ -57,7 +62,8 @@ struct TracePush {
     uint width;                         // of the frame
     uint firstRow;                      // of the band: row 0 of the buffers
     uint rowWords, planeWords;          // pitch
-    uint sphereCount, planeCount, lightCount, nodeCount;
+    uint sphereCount, planeCount, lightCount;
+    uint childCount;                    // of the tree: places, whether used or not
     float reach;                        // largest |coordinate| of a corner
     uint maxDepth;
     uint rayLimit;                      // rays a sample may follow in this dispatch
@@ -67,6 +73,7 @@ struct TracePush {
     vec3 rayOrigin, rayX, rayY;         // direction to sample (x, y), forward component 1
     vec3 sky;
     uint seed;                          // of the noise
+    uint tileRows;                      // samples come in tiles: rows of this dispatch, from row firstItem / width on
 };
 
 SHARED_FN vec3 primaryDirection(vec3 origin, vec3 perX, vec3 perY, float x, float y) {

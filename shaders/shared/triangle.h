@@ -47,22 +47,46 @@ SHARED_FN RayFrame frameOfRay(vec3 o, vec3 d, float reach) {
     return f;
 }
 
+SHARED_FN float lesser(float a, float b) { return pick(a < b, a, b); }
+SHARED_FN float greater(float a, float b) { return pick(a > b, a, b); }
+SHARED_FN vec3 lesser3(vec3 a, vec3 b) { return vec3(lesser(a.x, b.x), lesser(a.y, b.y), lesser(a.z, b.z)); }
+SHARED_FN vec3 greater3(vec3 a, vec3 b) { return vec3(greater(a.x, b.x), greater(a.y, b.y), greater(a.z, b.z)); }
+
 // Where a ray enters and leaves a box, as far as rounding: entry <= leave * (1 + 8 u) when it meets it. Both are monotone in the
 // box, so a box within another is entered no earlier.
 SHARED_FN float entryOfBox(RayFrame f, vec3 low, vec3 high) {
     vec3 a = ((low - f.origin) - vec3(f.pad)) * f.inverse;
     vec3 b = ((high - f.origin) + vec3(f.pad)) * f.inverse;
-    vec3 nearer = min(a, b);
-    return max(max(nearer.x, nearer.y), nearer.z);
+    vec3 nearer = lesser3(a, b);
+    return greater(greater(nearer.x, nearer.y), nearer.z);
 }
 SHARED_FN float exitOfBox(RayFrame f, vec3 low, vec3 high) {
     vec3 a = ((low - f.origin) - vec3(f.pad)) * f.inverse;
     vec3 b = ((high - f.origin) + vec3(f.pad)) * f.inverse;
-    vec3 farther = max(a, b);
-    return min(min(farther.x, farther.y), farther.z) * 1.00000048f;
+    vec3 farther = greater3(a, b);
+    return lesser(lesser(farther.x, farther.y), farther.z) * 1.00000048f;
 }
 // Behind the origin, missed, or entered beyond what is hit already.
 SHARED_FN bool opens(float entry, float leave, float nearest) { return entry <= leave && leave >= 0.0f && entry <= nearest; }
+
+// Rays of one origin: least and most of their inverse directions. A product is monotone in each factor, rounded too, so the products with both
+// ends enclose that with every ray's inverse: no ray of the bundle enters earlier or leaves later.
+struct RayBundle {
+    vec3 origin, least, most;
+    float pad;
+};
+SHARED_FN float earliestEntry(RayBundle f, vec3 low, vec3 high) {
+    vec3 a = (low - f.origin) - vec3(f.pad);
+    vec3 b = (high - f.origin) + vec3(f.pad);
+    vec3 earliest = lesser3(lesser3(a * f.least, a * f.most), lesser3(b * f.least, b * f.most));
+    return greater(greater(earliest.x, earliest.y), earliest.z);
+}
+SHARED_FN float latestExit(RayBundle f, vec3 low, vec3 high) {
+    vec3 a = (low - f.origin) - vec3(f.pad);
+    vec3 b = (high - f.origin) + vec3(f.pad);
+    vec3 latest = greater3(greater3(a * f.least, a * f.most), greater3(b * f.least, b * f.most));
+    return lesser(lesser(latest.x, latest.y), latest.z) * 1.00000048f;
+}
 
 // a b - c d: the sign is exact.
 SHARED_FN float crossValue(float a, float b, float c, float d) {
@@ -82,8 +106,9 @@ SHARED_FN vec3 sheared(RayFrame f, vec3 corner) {
     return vec3(c.x - f.shearX * c.z, c.y - f.shearY * c.z, c.z * f.scale);
 }
 
-// The distance is not before the entry into the triangle's own box, so a box may be passed over when something nearer than its entry is
-// hit, whatever the order: no triangle in it can win. `own`: the ray starts on this triangle.
+// Nothing is hit whose own box does not open, and the distance is not before the entry into that box. So a box may be passed over that does
+// not open, or when something nearer than its entry is hit, whatever the tree and the order: no triangle in it can win. `own`: the ray starts
+// on this triangle.
 SHARED_FN TriangleHit hitTriangle(RayFrame f, vec3 p0, vec3 p1, vec3 p2, bool own) {
     vec3 a = sheared(f, p0);
     vec3 b = sheared(f, p1);
@@ -102,10 +127,14 @@ SHARED_FN TriangleHit hitTriangle(RayFrame f, vec3 p0, vec3 p1, vec3 p2, bool ow
     hit.w1 = v * inverse;
     hit.w2 = w * inverse;
     float t = (hit.w0 * a.z + hit.w1 * b.z) + hit.w2 * c.z;
-    float entry = entryOfBox(f, min(min(p0, p1), p2), max(max(p0, p1), p2));
+    vec3 low = lesser3(lesser3(p0, p1), p2);
+    vec3 high = greater3(greater3(p0, p1), p2);
+    float entry = entryOfBox(f, low, high);
     bool ahead = t > 0.0f && t <= kFarthestHit;
-    // no plant: for the max: the pad of a box exceeds the error of t in every case that is known; the order must not hang on that
-    hit.t = pick(meets && ahead, max(t, entry), 0.0f);
+    hit.t = pick(meets && ahead, greater(t, entry), 0.0f);
+    bool open = opens(entry, exitOfBox(f, low, high), kFarthestHit);
+    // no plant: the pad of a box exceeds the error of a hit in every case that is known; the order must not hang on that
+    hit.t = pick(open, hit.t, 0.0f);
     return hit;
 }
 

@@ -119,8 +119,9 @@ TEST(TraceStress, NoRayLeaksThroughAClosedMesh) {
                     corners.emplace_back(glm::vec3(centre + scale * glm::dvec3(mesh.positions[v])));
                     for (int k = 0; k < 3; ++k) reach = std::max(reach, std::abs(corners.back()[k]));
                 }
-            const std::vector<glm::uvec4> nodes = treeOfTriangles(corners);
-            ASSERT_EQ(nodes.size(), 2 * (2 * mesh.triangles.size() - 1));
+            const TriangleTree tree = treeOfTriangles(corners);
+            const std::vector<glm::uvec4>& nodes = tree.nodes;
+            ASSERT_EQ(tree.leaves.size(), mesh.triangles.size());
             const auto floats = [](const glm::uvec4& words) { return glm::vec3(gpu::realOf(int(words.x)), gpu::realOf(int(words.y)), gpu::realOf(int(words.z))); };
             // A million radii away all boxes are alike, and every ray opens all of them.
             const bool all = std::getenv("PLUMB_LONG") != nullptr;
@@ -134,15 +135,16 @@ TEST(TraceStress, NoRayLeaksThroughAClosedMesh) {
                 const gpu::RayFrame frame = gpu::frameOfRay(o, d, reach);
                 float t = gpu::kFarthestHit;
                 uint32_t best = gpu::kNoObject, bruteBest = gpu::kNoObject;
-                for (uint32_t node = 0; node < nodes.size() / 2;) {
-                    const bool open = gpu::opens(gpu::entryOfBox(frame, floats(nodes[2 * node]), floats(nodes[2 * node + 1])),
-                                                 gpu::exitOfBox(frame, floats(nodes[2 * node]), floats(nodes[2 * node + 1])), t);
-                    const uint32_t k = nodes[2 * node + 1].w;
-                    if (open && k != gpu::kInnerNode) {
+                for (uint32_t child = 0; child < nodes.size() / 2;) {
+                    const glm::uvec4 &low = nodes[2 * child], &high = nodes[2 * child + 1];
+                    const bool open = gpu::opens(gpu::entryOfBox(frame, floats(low), floats(high)), gpu::exitOfBox(frame, floats(low), floats(high)), t);
+                    const bool leaf = low.w & gpu::kLeaf;
+                    if (open && leaf) {
+                        const uint32_t k = tree.leaves[low.w & ~gpu::kLeaf];
                         const gpu::TriangleHit hit = gpu::hitTriangle(frame, corners[3 * k], corners[3 * k + 1], corners[3 * k + 2], false);
                         if (gpu::isNearer(hit.t, k, t, best)) t = hit.t, best = k;
                     }
-                    node = open ? node + 1 : nodes[2 * node].w;
+                    child = open && !leaf ? low.w * gpu::kNodeChildren : high.w;
                 }
                 ++asked;
                 leaks += best == gpu::kNoObject;

@@ -111,6 +111,7 @@ TEST_P(TraceTwin, BothFormsOfDivisionLeaveTheSameBytes) {
         b.corners = atLeastOne(traced.corners);
         b.triangles = atLeastOne(traced.triangles);
         b.nodes = atLeastOne(traced.nodes);
+        b.leaves = atLeastOne(traced.leaves);
         b.encodeTable = bufferOf(device(), srgbBucketTable());
         b.pixels = bufferOf(device(), std::vector<uint32_t>(1));
         const auto outputOf = [&](uint64_t words) {

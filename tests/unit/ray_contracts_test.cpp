@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Every decision of the contracts of rays, asked directly; the notes' worked numbers where they have some.
 #include "shaders/shared/trace.h"
+#include "tests/support/scenes.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -278,6 +279,37 @@ TEST(Boxes, AreEnteredLastAndLeftFirst) {
     EXPECT_FALSE(opens(-2, -1, 3));
     EXPECT_TRUE(opens(-1, 0, 3));
     EXPECT_FALSE(opens(2, 3, 1));
+}
+
+TEST(Boxes, OfABundleOpenForEveryRayOfIt) {
+    test::Random r(51);
+    int opened = 0, straddling = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const vec3 o(r(-3, 3), r(-3, 3), r(-3, 3)), middle = r.direction();
+        const float reach = 20, width = i % 3 ? 0.01f : 0.4f;
+        RayFrame rays[8];
+        RayBundle bundle{o, vec3(0x1p100f), vec3(-0x1p100f), 0};
+        for (RayFrame& ray : rays) {
+            ray = frameOfRay(o, unitLength(middle + vec3(r.direction()) * width), reach);
+            bundle.least = lesser3(bundle.least, ray.inverse);
+            bundle.most = greater3(bundle.most, ray.inverse);
+            bundle.pad = ray.pad;
+        }
+        straddling += bundle.least.x < 0 && bundle.most.x > 0;
+        const vec3 low = o + middle * float(r(-2, 9)) + vec3(r.direction()) * float(r(0, 1));
+        const vec3 high = low + vec3(r(0, 1), r(0, 1), r(0, 1));
+        for (const RayFrame& ray : rays) {
+            // As far as the bundle is narrow its bounds are close: they are attained when all rays are one.
+            const RayBundle alone{o, ray.inverse, ray.inverse, ray.pad};
+            EXPECT_EQ(earliestEntry(alone, low, high), entryOfBox(ray, low, high));
+            EXPECT_EQ(latestExit(alone, low, high), exitOfBox(ray, low, high));
+            EXPECT_LE(earliestEntry(bundle, low, high), entryOfBox(ray, low, high));
+            EXPECT_GE(latestExit(bundle, low, high), exitOfBox(ray, low, high));
+            opened += opens(entryOfBox(ray, low, high), exitOfBox(ray, low, high), reach);
+        }
+    }
+    EXPECT_GT(opened, 10000);
+    EXPECT_GT(straddling, 100);
 }
 
 TEST(CrossValue, HasTheExactSign) {
