@@ -24,7 +24,7 @@ void main() {
     uint item = itemIndex();
     bool mine = item < push.itemCount;
     uint safe = min(item, push.itemCount - 1u);
-    uint index = kLarge ? texelFetch(large, int(safe / push.rowsPerLarge)).x : kListed ? texelFetch(large, int(safe)).x : safe;
+    uint index = kLarge ? texelFetch(large, int(push.firstLarge + safe / push.rowsPerLarge)).x : kListed ? texelFetch(large, int(safe)).x : safe;
     uvec4 d = texelFetch(draws, int(index));
     ivec2 p0 = ivec2(texelFetch(screen, int(d.x)).xy);
     ivec2 p1 = ivec2(texelFetch(screen, int(d.y)).xy);
@@ -43,8 +43,8 @@ void main() {
     bool empty = d.x == d.y || x1 < x0 || y1 < y0;
     uint fault = 0u;
     if (kLarge) {
-        int row = int(safe - (safe / push.rowsPerLarge) * push.rowsPerLarge);
-        bool touched = mine && !empty && row >= y0 && row <= y1;
+        int row = y0 + int(safe - (safe / push.rowsPerLarge) * push.rowsPerLarge);
+        bool touched = mine && !empty && row <= y1;
         int y = push.frame.firstRow + row * kTileHeight;
         int x = x0;
         int steps = touched ? x1 - x0 + 1 : 0;

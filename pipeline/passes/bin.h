@@ -27,8 +27,10 @@ struct BinBuffers {
     const Buffer<uint32_t>& entries;
     const Buffer<glm::uvec4>& slots;     // of small triangles that the set-up pass has counted
 };
+inline constexpr uint32_t kLowRows = 16;
 struct BinCounts {
     uint32_t drawn = 0, medium = 0, large = 0;
+    uint32_t low = 0;                    // the first of the large ones, which span at most kLowRows tile rows
     bool counted = false;                // the set-up pass has counted the small triangles
 };
 void recordBin(Recorder& recorder, BinStep step, gpu::BinPush push, const BinCounts& counts, const Specialization& exact,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/passes/bin.h"
 
+#include <algorithm>
 #include <spirv/bin.h>
 #include <spirv/slots.h>
 
@@ -35,12 +36,19 @@ void recordBin(Recorder& recorder, BinStep step, gpu::BinPush push, const BinCou
         push.itemCount = walked;
         recordWalk(recorder, label, push, constants, b, b.medium);
     }
-    if (counts.large) {
-        constants[2] = true;
-        constants[4] = false;
-        if (uint64_t(counts.large) * push.rowsPerLarge > 0xffffffffu) throw renderError("a chunk has too many large triangles");
-        push.itemCount = counts.large * push.rowsPerLarge;
+    constants[2] = true;
+    constants[4] = false;
+    const uint32_t rows[] = {std::min(kLowRows, push.tilesY), push.tilesY};
+    const uint32_t ends[] = {counts.low, counts.large};
+    push.firstLarge = 0;
+    for (int i = 0; i < 2; ++i) {
+        const uint64_t items = uint64_t(ends[i] - push.firstLarge) * rows[i];
+        if (items == 0) continue;
+        if (items > 0xffffffffu) throw renderError("a chunk has too many large triangles");
+        push.rowsPerLarge = rows[i];
+        push.itemCount = uint32_t(items);
         recordWalk(recorder, label, push, constants, b, b.large);
+        push.firstLarge = ends[i];
     }
 }
 

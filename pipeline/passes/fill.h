@@ -66,6 +66,7 @@ struct FillBuffers {
     const Buffer<uint32_t>& encodeTable;
     const Buffer<glm::uvec4>& colours;
     const Buffer<glm::uvec4>& planes;
+    uint64_t firstColour = 0, colourCount = 0;   // the band's part of colours; 0: all
 };
 // Begins to make the pipeline of a recordFill with these choices.
 void prepareFill(Recorder& recorder, const FillChoices& choices, bool distantViewer, const Specialization& exact);

@@ -61,7 +61,7 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
                        texels(b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
                        texels(b.entries, View::texelU32), texels(b.triangleMaterials, View::texelU32),
                        texels(b.materials, View::texelF32x4), texels(b.lights, View::texelF32x4),
-                       texels(b.encodeTable, View::texelU32), storage(b.colours), storage(b.planes)},
+                       texels(b.encodeTable, View::texelU32), storage(b.colours, b.firstColour, b.colourCount), storage(b.planes)},
                       constantsOf(choices, push.toward != glm::vec3(0), exact));
 }
 

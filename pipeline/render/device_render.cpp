@@ -39,24 +39,39 @@ void DeviceRender::listen() {
 
 bool DeviceRender::drawInPlace() {
     const DrawList& list = p_.list;
-    const uint64_t chunk = std::min<uint64_t>(frame_.chunkTriangles(), request_.chunkTriangles ? request_.chunkTriangles : ~uint64_t(0));
-    const bool oneBand = list.frame.height <= int(frame_.bandRows(0)) && request_.bandRows == 0;
-    if (request_.shading == Shading::wire || request_.fill == Fill::notes || p_.side > 1 || list.triangles.empty() || list.triangles.size() > chunk || !oneBand) return false;
+    const int height = list.frame.height;
+    if (request_.shading == Shading::wire || request_.fill == Fill::notes || p_.side > 1 || list.triangles.empty()) return false;
+    int bandRows = int(frame_.bandRowsInPlace());
+    if (request_.bandRows) bandRows = std::min(bandRows, int((request_.bandRows + 7) / 8 * 8));
+    if (bandRows == 0 || list.triangles.size() > chunkTriangles(0)) return false;
     result_.counters = p_.counters;
+    result_.counters.chunks = 1;
+    frame_.keepBands();
     try {
-        frame_.beginBand(list.frame, 0);
-        if (!uploaded_) frame_.upload(list);
-        uploaded_ = true;
-        frame_.transformAndCull(false);
-        frame_.setup();
-        addCounts(frame_, result_.counters);
-        drawColours(0, false);
+        gpu::FrameBox band = list.frame;
+        for (band.firstRow = 0; band.firstRow < height; band.firstRow += bandRows) {
+            band.rows = std::min(bandRows, height - band.firstRow);
+            frame_.beginBand(band, 0);
+            if (!uploaded_) frame_.upload(list);
+            uploaded_ = true;
+            if (band.firstRow == 0) {
+                frame_.transformAndCull(false);
+                frame_.setup();
+                addCounts(frame_, result_.counters);
+            }
+            drawColours(0, false);
+            result_.counters.binEntries += frame_.binEntries();
+            ++result_.counters.bands;
+        }
     } catch (const TooLarge&) {
         return false;
     }
-    result_.counters.binEntries = frame_.binEntries();
-    result_.counters.chunks = result_.counters.bands = 1;
     return true;
+}
+
+uint64_t DeviceRender::chunkTriangles(uint32_t planes) const {
+    const uint64_t most = frame_.fitsWhole(planes) ? std::max<uint64_t>(1, p_.list.triangles.size()) : frame_.chunkTriangles();
+    return request_.chunkTriangles ? std::min<uint64_t>(most, request_.chunkTriangles) : most;
 }
 
 RenderResult DeviceRender::draw() {
@@ -69,8 +84,7 @@ RenderResult DeviceRender::draw() {
     }
     const DrawList& list = p_.list;
     uint32_t planes = fillPlanes(p_, request_);
-    uint64_t chunk = std::min<uint64_t>(frame_.chunkTriangles(), request_.chunkTriangles ? request_.chunkTriangles : ~uint64_t(0));
-    chunk = std::max<uint64_t>(1, std::min<uint64_t>(chunk, list.triangles.size()));
+    uint64_t chunk = std::max<uint64_t>(1, std::min<uint64_t>(chunkTriangles(planes), list.triangles.size()));
     if (!list.triangles.empty()) {
         const uint32_t held = chunk < list.triangles.size() ? planes | gpu::kFillPlaneZ : planes;
         frame_.prepare(colourChoices(held, false), held);

@@ -18,7 +18,7 @@ public:
     DeviceRender(const DeviceRender&) = delete;   // the recorder calls back
     DeviceRender& operator=(const DeviceRender&) = delete;
 
-    // Nothing but colour, in one band and one chunk that stay on the device; false when this picture needs more than that.
+    // Nothing but colour, in one chunk that stays on the device; false when this picture needs more than that.
     bool drawInPlace();
     const GpuFrame& frame() const { return frame_; }
     GpuFrame& frame() { return frame_; }
@@ -32,6 +32,7 @@ private:
 
     bool normalsApart(uint32_t planes) const;
 
+    uint64_t chunkTriangles(uint32_t planes) const;   // of one upload
     FillChoices colourChoices(uint32_t planes, bool prior) const;
     void drawColours(uint32_t planes, bool prior);
 

@@ -5,6 +5,7 @@
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/transform.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <utility>
 
@@ -17,6 +18,7 @@ constexpr uint64_t kClipCornersAtFirst = 4096;
 // Tile-list entries and shaded tiles of one dispatch: about 20 ns and 2 us each on two cores, so well below 100 ms.
 constexpr uint64_t kWorkPerDispatch = uint64_t(1) << 21;
 constexpr uint64_t kWorkPerTile = 100;
+constexpr size_t kFewLarge = 256;  // triangles: sorting fewer gains nothing
 
 template <class T>
 void put(Device& device, Buffer<T>& buffer, std::span<const T> from, const char* name) {
@@ -47,6 +49,24 @@ uint64_t GpuFrame::chunkTriangles() const {
     return std::max<uint64_t>(1, std::min(byRange, byBudget));
 }
 
+bool GpuFrame::fitsWhole(uint32_t planes) const {
+    const DeviceLimits& l = device_.limits();
+    const DrawList& list = prepared_.list;
+    const uint64_t vertices = list.positions.size() + kClipCornersAtFirst, triangles = list.triangles.size(), faces = list.facePositions.size();
+    const auto reserved = [](uint64_t count) { return count + count / 4 + 16; };  // as Buffer::reserve does
+    if (reserved(vertices) > std::min(l.storageRangeBytes / sizeof(glm::vec4), l.texelElements)) return false;
+    if (reserved(std::max(triangles, faces)) > l.texelElements) return false;
+    // Bytes of upload() and of the lists, were every triangle drawn and in two tiles; then what a band's buffers may take.
+    const uint64_t perVertex = 4 * sizeof(glm::vec4) + sizeof(uint32_t);
+    const uint64_t perTriangle = sizeof(glm::uvec4) + sizeof(gpu::DrawTriangle) + sizeof(glm::uvec4) + 4 * sizeof(uint32_t);
+    const uint64_t perFace = 3 * sizeof(glm::vec4) + sizeof(uint32_t);
+    const uint64_t geometry = reserved(vertices) * perVertex + reserved(triangles) * perTriangle + reserved(faces) * perFace;
+    const uint64_t pixels = (uint64_t(list.frame.width) + 15) / 16 * 16 * ((uint64_t(list.frame.height) + 7) / 8 * 8);
+    const uint64_t held = reserved(pixels) * sizeof(uint32_t) * (1 + planeCount(withSum(planes)));
+    const uint64_t budget = device_.memoryBudgetBytes() / 16 * 15;
+    return geometry <= budget && std::min(held, device_.memoryBudgetBytes() / 2) <= budget - geometry;
+}
+
 uint32_t GpuFrame::withSum(uint32_t planes) const {
     const bool windows = prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > gpu::kLightsPerWindow;
     return planes | (windows ? gpu::kFillPlaneSum : 0u);
@@ -60,6 +80,14 @@ uint32_t GpuFrame::bandRows(uint32_t planes) const {
     const uint64_t words = (std::min({l.storageRangeBytes / 4, l.texelElements, device_.memoryBudgetBytes() / 4 / 4}) - 64) / 5 * 4;
     const uint64_t rows = words / (pitch * std::max(1u, planeCount(planes))) / 8 * 8;
     return uint32_t(std::clamp<uint64_t>(rows, 8, uint64_t(1) << 19));
+}
+
+uint32_t GpuFrame::bandRowsInPlace() const {
+    const DeviceLimits& l = device_.limits();
+    const uint64_t pitch = (uint64_t(prepared_.list.frame.width) + 15) / 16 * 16, rows = (uint64_t(prepared_.list.frame.height) + 7) / 8 * 8;
+    const uint64_t bytes = pitch * rows * sizeof(uint32_t);
+    if (bytes + bytes / 4 > std::min(l.allocationBytes, device_.memoryBudgetBytes() / 2)) return 0;
+    return uint32_t(std::min(rows, l.storageRangeBytes / sizeof(uint32_t) / pitch / 8 * 8));
 }
 
 void GpuFrame::checkFits(const char* what, uint64_t count, uint64_t elementBytes) const {
@@ -168,6 +196,21 @@ void GpuFrame::setup() {
             if (counted_) slots_.span()[places_.jobs[j].place + i] = glm::uvec4(gpu::kNoSlot);
         }
     }
+    sortLarge();
+}
+
+// Large triangles are binned row by row. Where they are many, most of them are low, and need not be asked about every row of the band.
+void GpuFrame::sortLarge() {
+    low_ = 0;
+    if (places_.large.size() < kFewLarge) return;
+    const std::span<const gpu::DrawTriangle> draws = draws_.span();
+    const std::span<const gpu::ScreenVertex> screen = screen_.span();
+    const auto isLow = [&](uint32_t place) {
+        const gpu::DrawTriangle& d = draws[place];
+        const auto [low, high] = std::minmax({screen[d.vertex[0]].y, screen[d.vertex[1]].y, screen[d.vertex[2]].y});
+        return (int64_t(high) - low) / (gpu::kSubpixels * gpu::kTileHeight) + 2 <= kLowRows;
+    };
+    low_ = uint32_t(std::stable_partition(places_.large.begin(), places_.large.end(), isLow) - places_.large.begin());
 }
 
 void GpuFrame::beginBand(const gpu::FrameBox& band, uint32_t planes) {
@@ -178,9 +221,13 @@ void GpuFrame::beginBand(const gpu::FrameBox& band, uint32_t planes) {
     tilesY_ = uint32_t(band.rows + gpu::kTileHeight - 1) / gpu::kTileHeight;
     rowQuads_ = tilesX_ * gpu::kTileWidth / 4;
     planeQuads_ = rowQuads_ * tilesY_ * gpu::kTileHeight;
-    colours_.reserve(device_, planeQuads_, "colours");
+    // In place, the bands of a picture lie one after another in one buffer.
+    const uint64_t above = inPlace_ ? uint64_t(band.firstRow) * rowQuads_ : 0;
+    const uint64_t rows = inPlace_ ? (uint64_t(prepared_.list.frame.height) + gpu::kTileHeight - 1) / gpu::kTileHeight * gpu::kTileHeight : 0;
+    firstColour_ = above;
+    colours_.reserve(device_, std::max<uint64_t>(planeQuads_, rows * rowQuads_), "colours");
     planeBuffer_.reserve(device_, std::max<uint64_t>(1, uint64_t(planeQuads_) * planeCount(planes)), "planes");
-    recorder_.fill("clear", colours_, prepared_.background & 0xffffffu, 0, uint64_t(planeQuads_) * 16);
+    recorder_.fill("clear", colours_, prepared_.background & 0xffffffu, firstColour_ * 16, uint64_t(planeQuads_) * 16);
     uint64_t slot = 0;
     const uint64_t bytes = uint64_t(planeQuads_) * 16;
     const auto clear = [&](uint32_t word) { recorder_.fill("clear", planeBuffer_, word, slot++ * bytes, bytes); };
@@ -196,7 +243,6 @@ gpu::BinPush GpuFrame::binPush() const {
     gpu::BinPush push{};
     push.tilesX = tilesX_;
     push.tilesY = tilesY_;
-    push.rowsPerLarge = tilesY_;
     push.ends = tilesX_ * tilesY_;
     push.firstClippedVertex = uint32_t(chunk_->positions.size());
     push.frame = band_;
@@ -214,7 +260,7 @@ void GpuFrame::bin() {
     const bool counted = std::exchange(counted_, false) && std::none_of(tiles_.span().begin(), tiles_.span().begin() + tiles, isCrowded);
     if (!counted) std::fill_n(tiles_.span().begin(), tiles, 0u);
     const BinBuffers buffers{draws_, screen_, large_, medium_, tiles_, entries_, slots_};
-    const BinCounts counts{places_.drawCount, uint32_t(places_.medium.size()), uint32_t(places_.large.size()), counted};
+    const BinCounts counts{places_.drawCount, uint32_t(places_.medium.size()), uint32_t(places_.large.size()), low_, counted};
     recordBin(recorder_, BinStep::count, binPush(), counts, exact_, buffers);
     recorder_.run(watchdogMs_);
     tileCounts_.assign(tiles_.span().begin(), tiles_.span().begin() + tiles);
@@ -308,7 +354,7 @@ void GpuFrame::fill(FillChoices choices) {
 // In dispatches that are neither long nor too many.
 void GpuFrame::recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push, const FillChoices& choices) {
     const FillBuffers buffers{draws_,     screen_,  choices.shading == gpu::kShadingFlat ? faceColours_ : carried_, buffer, entries_,
-                              triangleMaterial_, materials_, lights_, encodeTable_, colours_, planeBuffer_};
+                              triangleMaterial_, materials_, lights_, encodeTable_, colours_, planeBuffer_, firstColour_, planeQuads_};
     const uint64_t perTile = kWorkPerTile * (1 + push.lightCount);
     uint32_t first = 0;
     uint64_t work = 0;
@@ -344,7 +390,7 @@ void GpuFrame::resolve(uint32_t encoding, bool transparent, bool linearOut) {
 }
 
 std::span<const uint32_t> GpuFrame::colourWords() const {
-    return {static_cast<const uint32_t*>(colours_.data()), size_t(planeQuads_) * 4};
+    return {static_cast<const uint32_t*>(colours_.data()), size_t(inPlace_ ? firstColour_ + planeQuads_ : planeQuads_) * 4};
 }
 std::span<const uint32_t> GpuFrame::plane(uint32_t slot) const {
     return {static_cast<const uint32_t*>(planeBuffer_.data()) + size_t(slot) * planeQuads_ * 4, size_t(planeQuads_) * 4};

@@ -44,10 +44,17 @@ public:
     // Largest chunk and band that fit ranges, texel counts and the memory budget.
     uint64_t chunkTriangles() const;
     uint32_t bandRows(uint32_t planes) const;
+    // Whether the whole list may be one chunk: its own counts rather than the most that its triangles could need. setup() and bin() may
+    // still find more drawn than a binding holds.
+    bool fitsWhole(uint32_t planes) const;
+    // From now on the colours of all bands of a picture stay, one band after another.
+    void keepBands() { inPlace_ = true; }
+    // Rows of such a band (a multiple of 8): as many as a binding takes. 0: all bands are too much for one buffer.
+    uint32_t bandRowsInPlace() const;
 
     const Buffer<glm::uvec4>& colours() const { return colours_; }
     uint32_t rowPixels() const { return rowQuads_ * 4; }             // of colours(), in samples or resolved pixels
-    std::span<const uint32_t> colourWords() const;                    // row pitch: rowPixels()
+    std::span<const uint32_t> colourWords() const;                    // of the band; of all so far after keepBands(). Row pitch: rowPixels()
     std::span<const uint32_t> plane(uint32_t slot) const;             // of the sample planes
     std::span<const uint32_t> resolvedColours() const;                // row pitch: resolvedRowPixels()
     std::span<const float> resolvedLinear(uint32_t channel) const;
@@ -57,6 +64,7 @@ public:
     const DrawPlaces& places() const { return places_; }
     uint64_t binEntries() const { return binEntries_; }
     bool counted() const { return counted_; }                         // setup() has counted small triangles for the next bin()
+    uint32_t lowTriangles() const { return low_; }                    // of places().large
     uint64_t clippedDrawn() const { return clippedDrawn_; }
 
     // For verify: what a step left, and what the next one shall read.
@@ -70,6 +78,7 @@ public:
     gpu::BinPush binPush() const;
 
 private:
+    void sortLarge();
     void recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push, const FillChoices& choices);
     FillChoices onDevice(FillChoices choices) const;
     uint32_t withSum(uint32_t planes) const;  // and the sum of the lights, where they come in windows
@@ -83,7 +92,10 @@ private:
     Specialization exact_;
     DrawPlaces places_;
     uint64_t binEntries_ = 0, clippedDrawn_ = 0;
+    uint32_t low_ = 0;                    // of places_.large: the first, which are low (BinCounts)
     bool wide_ = false;
+    bool inPlace_ = false;                // colours_ holds all bands
+    uint64_t firstColour_ = 0;            // of the band, in colours_
     bool counted_ = false;                // tiles_ and slots_ hold the small triangles of the chunk in this band
     bool carriedNormals_ = false;         // carried_ holds the world normals of what was uploaded
     gpu::FrameBox band_{};

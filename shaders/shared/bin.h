@@ -11,7 +11,7 @@ struct BinPush {
     uint statusSlot;
     uint itemCount;                     // drawn triangles, or (large triangle, tile row) pairs
     uint tilesX, tilesY;                // of the band
-    uint rowsPerLarge;                  // tile rows of the band (large triangles only)
+    uint firstLarge, rowsPerLarge;      // of large triangles: the first in their list, and more tile rows than any of these has in the band
     uint ends;                          // word of the first tile's end in the buffer of tiles, while lists are written
     uint firstClippedVertex;            // triangles of clip fans (vertices from here on) are all binned row by row
     FrameBox frame;

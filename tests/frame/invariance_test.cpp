@@ -225,6 +225,31 @@ TEST_F(Frames, DoNotDependOnChunksAndBands) {
         }
 }
 
+// A scene that stays draws its bands in place, as often as asked.
+TEST_F(Frames, OfAResidentSceneDoNotDependOnBands) {
+    for (const SceneCase& row : {kSoup, kInside, kSheet}) {
+        const Scene scene = row.scene();
+        RenderRequest request = requestOf(row, Shading::phong);
+        request.transparent = true;
+        const Frame whole = renderGpu(device(), scene, request).frame;
+        for (uint32_t rows : {0u, 8u, 24u}) {
+            SCOPED_TRACE(fmt::format("{}, bands of {} rows", row.name, rows));
+            request.bandRows = rows;
+            ResidentScene resident(device(), scene, request);
+            for (int again = 0; again < 2; ++again) {
+                const ResidentScene::Picture picture = resident.draw();
+                ASSERT_TRUE(resident.resident());
+                ASSERT_EQ(picture.height, whole.height);
+                EXPECT_EQ(resident.counters().bands, rows ? (whole.height + rows - 1) / rows : 1u);
+                for (uint32_t y = 0; y < whole.height; ++y)
+                    ASSERT_TRUE(std::equal(picture.pixels + size_t(y) * picture.pitch, picture.pixels + size_t(y) * picture.pitch + whole.width,
+                                           whole.rgba.begin() + ptrdiff_t(size_t(y) * whole.width)))
+                        << "row " << y;
+            }
+        }
+    }
+}
+
 TEST_F(Frames, DoNotDependOnChunksAndBandsOfSamples) {
     const Scene scene = kInside.scene();
     for (uint32_t samples : {4u, 16u}) {

@@ -59,6 +59,26 @@ TEST_P(BinTwin, ListsWhatTheSetUpHasCounted) {
     }
 }
 
+class BinLarge : public OnDevice<::testing::Test> {};
+
+// So many large triangles that the low ones among them are binned apart from the tall ones.
+TEST_F(BinLarge, LowAndTallAreListedAlike) {
+    const SceneCase one{"large", [](View v) { return soup(v, 17, 900, 150); }, 640, 480};
+    PassFrame f(device(), one.scene(), requestOf(one));
+    for (int rows : {480, 200}) {
+        f.frame.beginBand(f.band(0, rows), kPassPlanes);
+        f.setup();
+        EXPECT_GT(f.frame.lowTriangles(), 100u) << "hardly any is low: this shows nothing";
+        EXPECT_GT(f.frame.places().large.size() - f.frame.lowTriangles(), 100u) << "hardly any is tall: this shows nothing";
+        for (int firstRow = 0; firstRow < 480; firstRow += rows) {
+            if (firstRow != 0) f.frame.beginBand(f.band(firstRow, rows), kPassPlanes);
+            f.frame.bin();
+            f.frame.recorder().run(kWatchdogMs);
+            EXPECT_GT(expectSameLists(f), 0u);
+        }
+    }
+}
+
 class BinCrowd : public OnDevice<::testing::Test> {};
 
 // More triangles in a tile than a slot can number: the bin pass counts them anew.
@@ -79,7 +99,7 @@ TEST_P(BinTwin, MissesNoOwner) {
     const TwinGeometry g = twinGeometry(p.list, p.choices, false, 1, nullptr);
     gpu::BinPush push{};
     push.tilesX = (GetParam().width + 15) / 16;
-    push.tilesY = push.rowsPerLarge = (GetParam().height + 7) / 8;
+    push.tilesY = (GetParam().height + 7) / 8;
     push.firstClippedVertex = uint32_t(p.list.positions.size());
     push.frame = p.list.frame;
     const TileLists lists = binCpu(push, g.draws, g.screen);
