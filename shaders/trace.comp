@@ -5,6 +5,7 @@
 // loop is do..while, and so is what runs equally often in all invocations: a `while` of lavapipe runs its body once more than it has to.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #ifdef PLUMB_BALLOT
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -35,7 +36,7 @@ layout(constant_id = 18) const uint kJitterPass = 0u;
 layout(constant_id = 19) const uint kJitterFeeler = 0u;
 layout(constant_id = 11) const int kSpheres = -1;         // number of spheres where it is small, so that their loops unroll; -1: pushed
 layout(constant_id = 20) const int kBoards = -1;          // the same of planes
-layout(constant_id = 21) const bool kHeld = false;        // kSpheres and kBoards are so few that their records stay in registers
+layout(constant_id = 21) const uint kHeldSpheres = 0u;    // where the spheres' records stay: kHeldBy*
 layout(constant_id = 22) const uint kFeelerBits = 32u;    // of the number of lights
 layout(constant_id = 23) const uint kLanes = 8u;          // of a subgroup, kEyeTogether
 layout(constant_id = 24) const bool kLights = true;
@@ -45,7 +46,10 @@ layout(constant_id = 27) const bool kEyeTogether = false; // eye rays walk the t
 layout(constant_id = 28) const bool kTiles = false;       // neighbours are tiles of 4 x 2 samples
 layout(constant_id = 29) const bool kDeep = false;        // the tree is deeper than kLanes
 layout(constant_id = 30) const bool kLongPaths = true;    // paths may be longer than kLanes
-layout(constant_id = 31) const bool kPair = false;        // two samples an invocation, 4 x 4 a tile; with kEyeTogether, kTiles and no kChildren
+layout(constant_id = 31) const uint kTurns = 1u;          // samples of an invocation one after another, every other row of a tile; with kTiles
+layout(constant_id = 32) const bool kDims = true;         // some material lets a feeler through
+layout(constant_id = 33) const bool kOneLight = false;
+layout(constant_id = 34) const bool kOneBoard = false;    // its record stays in registers
 
 layout(push_constant, scalar) uniform Push { TracePush push; };
 layout(binding = 1) uniform samplerBuffer spheres;        // centre, radius
@@ -65,6 +69,8 @@ layout(binding = 14) uniform samplerBuffer corners;
 layout(binding = 15) uniform usamplerBuffer pixels;       // x | y << 16, kListed
 layout(binding = 16) uniform usamplerBuffer leaves;
 
+const uint kHeldByAll = 1u;                 // by each invocation
+const uint kHeldByLanes = 2u;               // by invocation i modulo 8 of a subgroup
 const uint kMostSteps = 30000u;             // of a walk: half of what lavapipe's loops take
 // Functions, since glslang computes such a constant in the first function that reads it, where others do not see it.
 bool hasKeys() { return kSampling == kSampleRandom || (kJitterMirror | kJitterPass | kJitterFeeler) != 0u; }
@@ -79,14 +85,42 @@ uint fault = 0u;
 int sphereCount() { return kSpheres >= 0 ? kSpheres : int(push.sphereCount); }
 int boardCount() { return kBoards >= 0 ? kBoards : int(push.planeCount); }
 
+// Whether a subgroup's invocations all follow its longest path, so that they may ask each other; those whose own has ended change nothing.
+bool together() {
+#ifdef PLUMB_BALLOT
+    return !kList;
+#else
+    return false;
+#endif
+}
+
 // Records that stay in registers: indexed by constants alone, once loops are unrolled.
-vec4 heldSpheres[kHeld && kSpheres > 0 ? kSpheres : 1];
-vec4 heldBoards[kHeld && kBoards > 0 ? kBoards * kPlaneTexels : 1];
+vec4 heldSpheres[kHeldSpheres == kHeldByAll && kSpheres > 0 ? kSpheres : kHeldSpheres == kHeldByLanes && kSpheres > 0 ? (kSpheres + 7) / 8 : 1];
+uint heldSurfaces[kHeldSpheres == kHeldByAll && kSpheres > 0 ? kSpheres : kHeldSpheres == kHeldByLanes && kSpheres > 0 ? (kSpheres + 7) / 8 : 1];
+vec4 heldBoard[kPlaneTexels];
+uint heldBoardSurface;
+vec4 heldLight[kLightTexels];
 
 void hold() {
-    if (!kHeld) return;
-    for (int i = 0; i < kSpheres; ++i) heldSpheres[i] = texelFetch(spheres, i);
-    for (int i = 0; i < kBoards * kPlaneTexels; ++i) heldBoards[i] = texelFetch(boards, i);
+    if (kHeldSpheres == kHeldByAll)
+        for (int i = 0; i < kSpheres; ++i) {
+            heldSpheres[i] = texelFetch(spheres, i);
+            heldSurfaces[i] = texelFetch(surfaces, i).x;
+        }
+#ifdef PLUMB_BALLOT
+    if (kHeldSpheres == kHeldByLanes)
+        for (int i = 0; i < (kSpheres + 7) / 8; ++i) {
+            int mine = min(i * 8 + int(gl_SubgroupInvocationID & 7u), kSpheres - 1);
+            heldSpheres[i] = texelFetch(spheres, mine);
+            heldSurfaces[i] = texelFetch(surfaces, mine).x;
+        }
+#endif
+    if (kOneBoard) {
+        for (int i = 0; i < kPlaneTexels; ++i) heldBoard[i] = texelFetch(boards, i);
+        heldBoardSurface = texelFetch(surfaces, int(push.sphereCount)).x;
+    }
+    if (kOneLight)
+        for (int i = 0; i < kLightTexels; ++i) heldLight[i] = texelFetch(lights, i);
 }
 
 SphereHit sphereOf(vec4 sphere, int i, vec3 o, vec3 d, uint from, bool inside) {
@@ -95,27 +129,49 @@ SphereHit sphereOf(vec4 sphere, int i, vec3 o, vec3 d, uint from, bool inside) {
 // In a loop over all spheres.
 SphereHit sphereAt(int i, vec3 o, vec3 d, uint from, bool inside) {
     vec4 sphere;
-    if (kHeld) sphere = heldSpheres[i];
+    if (kHeldSpheres == kHeldByAll) sphere = heldSpheres[i];
+#ifdef PLUMB_BALLOT
+    else if (kHeldSpheres == kHeldByLanes) sphere = subgroupShuffle(heldSpheres[i >> 3], uint(i & 7));
+#endif
     else sphere = texelFetch(spheres, i);
     return sphereOf(sphere, i, o, d, from, inside);
 }
-
-PlaneHit boardOf(int i, vec3 o, vec3 d, uint from, bool inside) {
-    int at = i * kPlaneTexels;
-    return hitPlane(o, d, texelFetch(boards, at), texelFetch(boards, at + 1), texelFetch(boards, at + 2), texelFetch(boards, at + 3),
-                    texelFetch(boards, at + 4).z != 0.0, startOn(push.sphereCount + uint(i), from, inside));
+// Any sphere, and its material.
+vec4 sphereRecordOf(int i, out uint material) {
+    vec4 record = vec4(0.0);
+    if (kHeldSpheres == kHeldByAll) {
+        for (int k = 0; k < kSpheres; ++k) {
+            record = k == i ? heldSpheres[k] : record;
+            material = k == i ? heldSurfaces[k] : material;
+        }
+#ifdef PLUMB_BALLOT
+    } else if (kHeldSpheres == kHeldByLanes) {
+        for (int k = 0; k < (kSpheres + 7) / 8; ++k) {
+            vec4 other = subgroupShuffle(heldSpheres[k], uint(i & 7));
+            uint otherMaterial = subgroupShuffle(heldSurfaces[k], uint(i & 7));
+            record = k == i >> 3 ? other : record;
+            material = k == i >> 3 ? otherMaterial : material;
+        }
+#endif
+    } else {
+        record = texelFetch(spheres, i);
+        material = texelFetch(surfaces, i).x;
+    }
+    return record;
 }
-// In a loop over all planes.
+
+vec4 boardTexel(int i, int k) {
+    if (kOneBoard) return heldBoard[k];
+    return texelFetch(boards, i * kPlaneTexels + k);
+}
 PlaneHit boardAt(int i, vec3 o, vec3 d, uint from, bool inside) {
-    if (!kHeld) return boardOf(i, o, d, from, inside);
-    int at = i * kPlaneTexels;
-    return hitPlane(o, d, heldBoards[at], heldBoards[at + 1], heldBoards[at + 2], heldBoards[at + 3], heldBoards[at + 4].z != 0.0,
-                    startOn(push.sphereCount + uint(i), from, inside));
+    return hitPlane(o, d, boardTexel(i, 0), boardTexel(i, 1), boardTexel(i, 2), boardTexel(i, 3), boardTexel(i, 4).z != 0.0,
+                    startOn(push.sphereCount + uint(kOneBoard ? 0 : i), from, inside));
 }
 
 uint materialOfBoard(int i, PlaneHit hit) {
-    vec4 pattern = texelFetch(boards, i * kPlaneTexels + 4);
-    uint first = texelFetch(surfaces, int(push.sphereCount) + i).x;
+    vec4 pattern = boardTexel(i, 4);
+    uint first = kOneBoard ? heldBoardSurface : texelFetch(surfaces, int(push.sphereCount) + i).x;
     bool other = pattern.x > 0.0 && otherSquare(hit.u, hit.v, pattern.x > 0.0 ? pattern.x : 1.0, pattern.y);
     return other ? uint(pattern.w) : first;
 }
@@ -182,8 +238,8 @@ void nearestOfEyeRays(vec3 d, vec3 d2, bool any, out EyeHit best, out EyeHit bes
     vec3 o = vec3(0.0);
     RayFrame frame = frameOfRay(o, d, push.reach);
     RayFrame frame2 = frameOfRay(o, d2, push.reach);
-    vec3 least = kPair ? lesser3(frame.inverse, frame2.inverse) : frame.inverse;
-    vec3 most = kPair ? greater3(frame.inverse, frame2.inverse) : frame.inverse;
+    vec3 least = kTurns == 2u ? lesser3(frame.inverse, frame2.inverse) : frame.inverse;
+    vec3 most = kTurns == 2u ? greater3(frame.inverse, frame2.inverse) : frame.inverse;
     RayBundle bundle = RayBundle(o, vec3(leastOf(least.x), leastOf(least.y), leastOf(least.z)), vec3(mostOf(most.x), mostOf(most.y), mostOf(most.z)),
                                  frame.pad);
     uint lane = gl_SubgroupInvocationID;
@@ -232,17 +288,17 @@ void nearestOfEyeRays(vec3 d, vec3 d2, bool any, out EyeHit best, out EyeHit bes
             vec3 p1 = uintBitsToFloat(texelFetch(leaves, int(leaf) * 3 + 1).xyz);
             vec3 p2 = uintBitsToFloat(texelFetch(leaves, int(leaf) * 3 + 2).xyz);
             best = nearerOf(best, hitTriangle(frame, p0, p1, p2, false).t, a.w, met != 0u);
-            if (kPair) best2 = nearerOf(best2, hitTriangle(frame2, p0, p1, p2, false).t, a.w, met != 0u);
+            if (kTurns == 2u) best2 = nearerOf(best2, hitTriangle(frame2, p0, p1, p2, false).t, a.w, met != 0u);
             met &= met - 1u;
             steps++;
         } while (met != 0u);
-        longest = mostOf(kPair ? greater(best.t, best2.t) : best.t);
+        longest = mostOf(kTurns == 2u ? greater(best.t, best2.t) : best.t);
     } while (!done && steps < kMostSteps);
     fault |= !done ? kFaultLoop : 0u;
 }
 #endif
 
-float shareThatPasses(uint material) { return texelFetch(materials, int(material) * kTraceMaterialTexels + 3).y; }
+float shareThatPasses(uint material) { return kDims ? texelFetch(materials, int(material) * kTraceMaterialTexels + 3).y : 0.0; }
 
 void countRay(uint depth, uint kind, uint feelers, uint undecided) {
     uint first = (depth - 1u) * kCountKinds;
@@ -252,7 +308,6 @@ void countRay(uint depth, uint kind, uint feelers, uint undecided) {
 }
 #ifdef PLUMB_BALLOT
 // Without a list all invocations of a subgroup are at the same depth: the counts of depth n gather in invocation n - 1.
-bool countsTogether() { return kCount && !kList; }
 uvec3 gathered = uvec3(0u);                     // rays, refracted ones among them, feelers
 uint lost = 0u;                                 // undecided
 void addCounts(uint depth, uvec3 counted) {
@@ -278,14 +333,11 @@ void addGathered() {
         if (gl_SubgroupInvocationID == 0u && all > 0u) atomicAdd(counters[kCountUndecided], all);
     }
 }
-#else
-bool countsTogether() { return false; }
 #endif
 
-// Whether the loop over rays goes on: for all invocations alike where they count together.
 bool goesOn(bool alive) {
 #ifdef PLUMB_BALLOT
-    if (countsTogether()) return sumOf(alive ? 1u : 0u) != 0u;
+    if (together()) return sumOf(alive ? 1u : 0u) != 0u;
 #endif
     return alive;
 }
@@ -342,8 +394,8 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
       bool bent = kind == kCountRefracted;
       uint feelers = 0u;
       uint undecided = 0u;
-      if (alive) {
-        rays++;
+      if (alive || together()) {
+        rays += runs ? 1u : 0u;
         if (kList && take) {
             waits--;
             uint at = (waits * push.itemCount + item) * kWaitingWords;
@@ -360,7 +412,7 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
         float t = kFarthestHit;
         uint best = kNoObject;
         int i = 0;
-        for (i = 0; i < sphereCount(); ++i) {
+        [[unroll]] for (i = 0; i < sphereCount(); ++i) {
             SphereHit hit = sphereAt(i, o, d, from, inside);
             bool nearer = isNearer(hit.t, uint(i), t, best);
             t = nearer ? hit.t : t;
@@ -380,7 +432,7 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
         int children = int(push.childCount);
         if (kMeshes) {
             frame = frameOfRay(o, d, push.reach);
-            int child = 0;
+            int child = runs ? 0 : children;
             if (kEyeTogether && rays == 1u && push.first != 0u) {
                 bool nearer = eye.triangle != kNoObject && isNearer(eye.t, firstTriangle + eye.triangle, t, best);
                 t = nearer ? eye.t : t;
@@ -406,7 +458,7 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
                 fault |= child < children ? kFaultLoop : 0u;
             }
         }
-        bool hits = best != kNoObject;
+        bool hits = runs && best != kNoObject;
         bool ball = best < push.sphereCount;
         bool mesh = kMeshes && hits && best >= firstTriangle;
         int sphere = ball ? int(best) : 0;
@@ -415,17 +467,18 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
         SurfacePoint s = SurfacePoint(vec3(0.0), vec3(0.0), vec3(0.0));
         uint material = 0u;
         if (kBoards != 0) {
-            PlaneHit onBoard = boardOf(board, o, d, from, inside);
-            s = pointOnPlane(texelFetch(boards, board * kPlaneTexels).xyz, onBoard.point);
+            PlaneHit onBoard = boardAt(board, o, d, from, inside);
+            s = pointOnPlane(boardTexel(board, 0).xyz, onBoard.point);
             material = materialOfBoard(board, onBoard);
         }
         if (kSpheres != 0) {
-            vec4 sphereRecord = texelFetch(spheres, sphere);
+            uint sphereMaterial = 0u;
+            vec4 sphereRecord = sphereRecordOf(sphere, sphereMaterial);
             SurfacePoint onSphere = pointOnSphere(sphereRecord.xyz, sphereRecord.w, sphereOf(sphereRecord, sphere, o, d, from, inside).offset);
             s.point = ball ? onSphere.point : s.point;
             s.normal = ball ? onSphere.normal : s.normal;
             s.error = ball ? onSphere.error : s.error;
-            material = ball ? texelFetch(surfaces, sphere).x : material;
+            material = ball ? sphereMaterial : material;
         }
         vec3 smoothNormal = s.normal;
         if (kMeshes) {
@@ -463,29 +516,37 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
         vec3 q = leaveSurface(s.point, n, s.error);
         int light = 0;
         if (kLights) do {
-          if (local && light < lightCount) {
-            vec4 lightPlace = texelFetch(lights, light * kLightTexels);
-            vec4 intensity = texelFetch(lights, light * kLightTexels + 1);
+          bool lit = local && light < lightCount;
+          if (lit || together()) {
+            vec4 lightPlace;
+            vec4 intensity;
+            if (kOneLight) {
+                lightPlace = heldLight[0];
+                intensity = heldLight[1];
+            } else {
+                lightPlace = texelFetch(lights, light * kLightTexels);
+                intensity = texelFetch(lights, light * kLightTexels + 1);
+            }
             Feeler feeler = feelerTo(lightPlace, q);
             bool above = dot3(seen, feeler.direction) > 0.0 && dot3(n, feeler.direction) > 0.0;
-            feelers += above ? 1u : 0u;
+            feelers += lit && above ? 1u : 0u;
             if (kJitterFeeler != 0u) feeler.direction = jittered(feeler.direction, n, uintBitsToFloat(kJitterFeeler), keyOfChild(key, kFirstFeelerKey + uint(light)));
             float passed = 1.0;
             if (kShadows) {
-                for (i = 0; i < sphereCount(); ++i) {
+                [[unroll]] for (i = 0; i < sphereCount(); ++i) {
                     SphereHit hit = sphereAt(i, q, feeler.direction, best, within);
-                    passed *= blocks(hit.t, feeler.reach) ? shareThatPasses(texelFetch(surfaces, i).x) : 1.0;
+                    passed *= blocks(hit.t, feeler.reach) ? (kDims ? shareThatPasses(texelFetch(surfaces, i).x) : 0.0) : 1.0;
                 }
                 fault |= i < sphereCount() ? kFaultLoop : 0u;
                 for (i = 0; i < boardCount(); ++i) {
                     PlaneHit hit = boardAt(i, q, feeler.direction, best, within);
-                    passed *= blocks(hit.t, feeler.reach) ? shareThatPasses(materialOfBoard(i, hit)) : 1.0;
+                    passed *= blocks(hit.t, feeler.reach) ? (kDims ? shareThatPasses(materialOfBoard(i, hit)) : 0.0) : 1.0;
                 }
                 fault |= i < boardCount() ? kFaultLoop : 0u;
                 if (kMeshes) {
                     RayFrame along = frameOfRay(q, feeler.direction, push.reach);
                     int child = 0;
-                    while (above && passed > 0.0 && child < children) {
+                    while (lit && above && passed > 0.0 && child < children) {
                         uint link = 0u;
                         while (child < children && link < kLeaf) {
                             uvec4 low = texelFetch(nodes, child * 2);
@@ -501,26 +562,26 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
                         bool met = link >= kLeaf && blocks(hit.t, feeler.reach);
                         passed *= met ? passesTriangle(shareThatPasses(owner), slope) : 1.0;
                     }
-                    fault |= above && passed > 0.0 && child < children ? kFaultLoop : 0u;
+                    fault |= lit && above && passed > 0.0 && child < children ? kFaultLoop : 0u;
                 }
             }
             passed = above ? passed : 0.0;
             addLight(lightPlace, vec4(intensity.xyz * passed, intensity.w), surface, k, parts, c);
           }
           light++;
-        } while (light < lightCount);
+        } while (!kOneLight && light < lightCount);
         fault |= kLights && local && light < lightCount ? kFaultLoop : 0u;
         float share = weight * specular.w;
         vec3 added = vec3(c.r, c.g, c.b) * share;
         added = hits ? (local ? added : vec3(0.0)) : push.sky * weight;
-        colour = colour + added;
+        colour = runs ? colour + added : colour;
         if (kCutLevels) {
             vec3 own = hits ? wholeLevels(vec3(c.r, c.g, c.b)) * specular.w : wholeLevels(push.sky);
             levels[depth - 1u] = vec4(local || !hits ? own : vec3(0.0), hits ? shares.x : 0.0);
         }
 
-        if (kCount && !countsTogether()) countRay(depth, kind, feelers, undecided);
-        if (rays == 1u && push.first != 0u) {
+        if (kCount && !together()) countRay(depth, kind, feelers, undecided);
+        if (runs && rays == 1u && push.first != 0u) {
             primaryBits = hits ? 1u : 0u;
             if ((kPlanes & kTracePlaneDistance) != 0u) planes[word] = hits ? floatBitsToUint(t) : 0u;
             if ((kPlanes & kTracePlaneObject) != 0u) planes[word + kSlotObject * push.planeWords] = best;
@@ -563,11 +624,11 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
         from = best;
         inside = back ? within : !within;
         take = !onward;
-        alive = onward || (kList && waits > 0u);
+        alive = runs && (onward || (kList && waits > 0u));
       }
       trips++;
 #ifdef PLUMB_BALLOT
-      if (countsTogether()) gather(trips, runs ? 1u : 0u, runs && bent ? 1u : 0u, feelers, undecided);
+      if (kCount && together()) gather(trips, runs ? 1u : 0u, runs && bent ? 1u : 0u, feelers, runs ? undecided : 0u);
 #endif
     } while ((kChildren || kList) && trips < push.rayLimit && goesOn(alive));
     if (kList && begun && alive) {
@@ -636,7 +697,7 @@ void main() {
         uint across = (push.width + 3u) >> 2u;
         uint down = tile / across;
         column = (tile - down * across) * 4u + (item & 3u);
-        row = down * (kPair ? 4u : 2u) + ((item >> 2u) & 1u);
+        row = down * 2u * kTurns + ((item >> 2u) & 1u);
         mine = mine && column < push.width;
         column = min(column, push.width - 1u);
         firstRow = push.firstItem / push.width;
@@ -648,23 +709,22 @@ void main() {
     }
     EyeHit eye = EyeHit(kFarthestHit, kNoObject);
     EyeHit eye2 = eye;
-    uint rowInside = firstRow + min(row, rows - 1u);
-    uint rowBelow = firstRow + min(row + 2u, rows - 1u);
 #ifdef PLUMB_BALLOT
-    if (kEyeTogether)
-        nearestOfEyeRays(eyeDirection(placeOf(column, rowInside)), eyeDirection(placeOf(column, kPair ? rowBelow : rowInside)), push.first != 0u, eye, eye2);
+    if (kEyeTogether) {
+        uvec2 place = placeOf(column, firstRow + min(row, rows - 1u));
+        nearestOfEyeRays(eyeDirection(place), eyeDirection(kTurns == 2u ? placeOf(column, firstRow + min(row + 2u, rows - 1u)) : place), push.first != 0u,
+                         eye, eye2);
+    }
 #endif
     uint turn = 0u;
     do {
-        bool second = kPair && turn == 1u;
-        EyeHit mineSeen = eye;
-        mineSeen.t = second ? eye2.t : eye.t;
-        mineSeen.triangle = second ? eye2.triangle : eye.triangle;
-        traceSample(item, column, second ? rowBelow : rowInside, mine && (second ? row + 2u : row) < rows, mineSeen);
+        uint mineRow = row + 2u * turn;
+        EyeHit seen = EyeHit(turn == 1u ? eye2.t : eye.t, turn == 1u ? eye2.triangle : eye.triangle);
+        traceSample(item, column, firstRow + min(mineRow, rows - 1u), mine && mineRow < rows, seen);
         turn++;
-    } while (kPair && turn < 2u);
+    } while (turn < kTurns);
 #ifdef PLUMB_BALLOT
-    if (countsTogether()) addGathered();
+    if (kCount && together()) addGathered();
 #endif
     finish(push.statusSlot, fault);
 }

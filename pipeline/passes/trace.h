@@ -70,8 +70,8 @@ struct TraceBuffers {
     Buffer<uint32_t> waiting, states;          // list form: of the samples of one dispatch
 };
 
-// Whether an invocation takes two samples: tiles are then 4 x 4, and push.itemCount counts invocations.
-bool tracesPairs(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices);
+// Samples that an invocation takes one after another: a tile has so many times two rows, and push.itemCount counts invocations.
+uint32_t samplesOfInvocation(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices);
 void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices,
                  const Specialization& exact, const TraceBuffers& buffers);
 

@@ -14,17 +14,26 @@ bool walksTogether(const TraceScene& scene, uint32_t lanes) {
     return !scene.nodes.empty() && scene.depth <= 2 * lanes && scene.nodes.size() / (2 * gpu::kNodeChildren) < (1u << 24);
 }
 
-// Loops over so few spheres and planes unroll, and records of fewer stay in registers; more of them make lavapipe's kernel spill.
-constexpr size_t kUnrolledSpheres = 24, kUnrolledPlanes = 2, kHeldSpheres = 4, kHeldPlanes = 1;
+// Loops over so few spheres and planes unroll, and records of fewer stay in registers of each invocation, those of more in
+// the registers of a subgroup.
+constexpr size_t kUnrolledSpheres = 24, kUnrolledPlanes = 2, kHeldSpheres = 4;
+constexpr uint32_t kMostSamples = 4;      // of an invocation
+constexpr uint64_t kLoopSteps = 50000;    // of them all; lavapipe ends loops after 65,535
+constexpr size_t kFewLights = 4;          // feelers of more walk a tree alone: all those steps for one sample
 // Whether some hit may send on a ray of this share.
 bool sends(const gpu::TracePush& push, const TraceScene& scene, float gpu::TraceMaterial::* share) {
     return push.maxDepth > 1 && std::any_of(scene.materials.begin(), scene.materials.end(), [&](const gpu::TraceMaterial& m) { return m.*share > 0; });
 }
 }  // namespace
 
-bool tracesPairs(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices) {
-    return walksTogether(scene, choices.lanes) && choices.tiles && !choices.list && !sends(push, scene, &gpu::TraceMaterial::reflect) &&
-           !sends(push, scene, &gpu::TraceMaterial::transmit);
+uint32_t samplesOfInvocation(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices) {
+    if (!choices.tiles || choices.list) return 1;
+    if (walksTogether(scene, choices.lanes))
+        return scene.lights.size() > kFewLights || sends(push, scene, &gpu::TraceMaterial::reflect) || sends(push, scene, &gpu::TraceMaterial::transmit) ? 1 : 2;
+    if (!scene.nodes.empty()) return 1;
+    const uint64_t objects = scene.spheres.size() + scene.planes.size() + 2;
+    const uint64_t steps = (objects + 1) * (scene.lights.size() + 1) * push.maxDepth;
+    return steps * kMostSamples < kLoopSteps ? kMostSamples : 1;
 }
 
 void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices,
@@ -50,7 +59,7 @@ void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScen
     const size_t spheres = scene.spheres.size(), planes = scene.planes.size();
     constants[11] = spheres <= kUnrolledSpheres ? uint32_t(spheres) : ~0u;
     constants[20] = planes <= kUnrolledPlanes ? uint32_t(planes) : ~0u;
-    constants[21] = spheres <= kHeldSpheres && planes <= kHeldPlanes;
+    constants[21] = spheres <= kHeldSpheres ? 1u : spheres <= kUnrolledSpheres && choices.lanes && !choices.list ? 2u : 0u;
     constants[22] = uint32_t(std::bit_width(scene.lights.size()));
     const bool refracts = sends(push, scene, &gpu::TraceMaterial::transmit);
     constants[23] = std::max(1u, choices.lanes);
@@ -61,7 +70,10 @@ void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScen
     constants[28] = choices.tiles;
     constants[29] = scene.depth > choices.lanes;
     constants[30] = push.maxDepth > choices.lanes;
-    constants[31] = tracesPairs(push, scene, choices);
+    constants[31] = samplesOfInvocation(push, scene, choices);
+    constants[32] = std::any_of(scene.materials.begin(), scene.materials.end(), [](const gpu::TraceMaterial& m) { return m.transmit > 0; });
+    constants[33] = scene.lights.size() == 1;
+    constants[34] = planes == 1;
     recorder.dispatch("trace", choices.lanes ? spirv::trace_ballot : spirv::trace, push.itemCount, push,
                       {texels(b.spheres, View::texelF32x4), texels(b.planes, View::texelF32x4), texels(b.surfaces, View::texelU32),
                        texels(b.materials, View::texelF32x4), texels(b.lights, View::texelF32x4), texels(b.encodeTable, View::texelU32),

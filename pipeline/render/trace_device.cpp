@@ -176,14 +176,17 @@ private:
     // Samples [begin, end) of a frame of `all`, until none has a ray waiting.
     void trace(gpu::TracePush& push, TraceChoices choices, uint64_t begin, uint64_t end, double all) {
         for (uint64_t at = begin, count = 0; at < end; at += count) {
-            // Whole rows in tiles, where a dispatch has four of them: the rays of a subgroup then stay close together.
-            const uint64_t fourRows = uint64_t(push.width) * 4;
-            choices.tiles = !choices.list && choices.pixels.empty() && samples_ >= fourRows;
-            count = std::min(choices.tiles ? samples_ / fourRows * fourRows : samples_, end - at);
+            // Whole rows in tiles, where a dispatch has eight of them: the rays of a subgroup then stay close together. What is less ends with a
+            // row where it can, so that tiles may follow.
+            const uint64_t row = push.width, into = at % row;
+            choices.tiles = !choices.list && choices.pixels.empty() && into == 0 && samples_ >= 8 * row;
+            count = samples_ >= row ? samples_ / row * row - into : std::min(samples_, row - into);
+            if (choices.tiles) count = samples_ / (8 * row) * (8 * row);
+            count = std::min(count, end - at);
             push.firstItem = uint32_t(at);
             push.itemCount = uint32_t(count);
             push.tileRows = uint32_t(count / push.width);
-            const uint32_t tileRows = tracesPairs(push, traced_, choices) ? 4 : 2;
+            const uint32_t tileRows = 2 * samplesOfInvocation(push, traced_, choices);
             if (choices.tiles) push.itemCount = (push.width + 3) / 4 * ((push.tileRows + tileRows - 1) / tileRows) * 8;
             push.first = 1;
             double longestMs = 0;

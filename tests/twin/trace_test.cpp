@@ -211,6 +211,27 @@ INSTANTIATE_TEST_SUITE_P(
                       SamplingRow{"cut_levels", mirrors, [](RenderRequest& r) { r.rays.cutLevels = true, r.encoding = Encoding::linear; }}),
     [](const auto& info) { return std::string(info.param.name); });
 
+using TraceDispatches = DeviceTest;
+
+// So many lights that the first dispatches have few rows; then they grow, to rows in tiles.
+TEST_F(TraceDispatches, LeaveTheSameBytesWhereverTheyEnd) {
+    Scene scene = meshesAlone();
+    scene.maxDepth = 1;
+    for (Material& m : scene.materials) m.transmit = 0;
+    while (scene.lights.size() < 40) {
+        scene.lights.push_back(scene.lights[scene.lights.size() % 2]);
+        scene.lights.back().intensity *= 0.05f;
+        scene.lights.back().direction.x += 0.03 * double(scene.lights.size());
+    }
+    for (const uint32_t width : {301u, 512u}) {
+        const RenderRequest request = requestOf(scene, width, 35);
+        const RenderResult twin = renderCpu(scene, request), onDevice = renderGpu(device(), scene, request);
+        SCOPED_TRACE(width);
+        expectSameFrame(twin.frame, onDevice.frame);
+        expectSameCounts(twin.counters, onDevice.counters);
+    }
+}
+
 using TraceCounts = DeviceTest;
 
 // Notes 18.1 and 18.4.1: one ray a level with mirrors alone, 2^depth - 1 with both children.
