@@ -8,10 +8,6 @@ namespace plumb {
 
 namespace {
 
-// A kernel with few lights unrolled is larger, and made anew in every process. A picture that is drawn once must have so many lighted samples before
-// that pays: Suzanne under three lights, lights unrolled / in a loop, 136 / 103 ms at 640x480 and 215 / 203 ms at 1920x1440, exec to PNG.
-constexpr uint64_t kUnrollingPays = uint64_t(1) << 23;
-
 void addCounts(const GpuFrame& frame, RenderCounters& c) {
     c.culledBackFace += frame.places().backFacing;
     c.culledZeroArea += frame.places().zeroArea;
@@ -80,7 +76,6 @@ uint64_t DeviceRender::chunkTriangles(uint32_t planes) const {
 
 RenderResult DeviceRender::draw() {
     const Stopwatch total(nullptr, "");
-    once_ = true;
     PlaneWriter writer(p_, request_.planes, result_.frame);
     if (request_.shading == Shading::wire) {
         drawWireGpu(device_, scene_, p_, request_, result_);
@@ -157,7 +152,6 @@ bool DeviceRender::normalsApart(uint32_t planes) const {
 
 FillChoices DeviceRender::colourChoices(uint32_t planes, bool prior) const {
     FillChoices choices = p_.choices;
-    if (once_ && uint64_t(p_.list.frame.width) * uint64_t(p_.list.frame.height) * choices.lightCount <= kUnrollingPays) choices.lightCount = choices.lightKinds = 0;
     choices.write = normalsApart(planes) ? planes & ~gpu::kFillPlaneNormal : planes;
     choices.prior = prior;
     choices.colour = p_.side == 1;

@@ -48,7 +48,6 @@ private:
     GpuFrame frame_;
     RenderResult result_;
     bool uploaded_ = false;
-    bool once_ = false;                   // one picture, not one of many
     double done_ = 0;                     // share of the picture, for onProgress
 };
 
