@@ -157,7 +157,6 @@ Exit renderCommand(const Options& options) {
     request.planes = plan.planes;
     if (options.withError) {
         if (options.stereo != StereoForm::none) throw usageError("--with-error: the truth is that of one eye; measure each by its own --eye");
-        if (request.shading == Shading::ray) throw usageError("--with-error: the truth of --shading ray is not in this version");
         if (request.shading == Shading::wire) throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
         request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;  // which change no byte of the picture
     }

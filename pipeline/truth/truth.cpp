@@ -3,6 +3,7 @@
 
 #include "host/error.h"
 #include "pipeline/truth/illumination.h"
+#include "pipeline/truth/rays.h"
 
 #include <algorithm>
 #include <atomic>
@@ -52,7 +53,7 @@ public:
         for (uint32_t row = 0; row < rows; ++row)
             for (uint32_t column = 0; column < request_.width; ++column) resolve(column, firstRow + row, first);
     }
-    uint64_t redone() const { return judge_.redone(); }
+    void addTo(Truth& out) const { out.redone += judge_.redone(); }
 
 private:
     double x(int i) const { return geometry_.pinhole().x(i); }
@@ -101,50 +102,30 @@ double srgbCode(double linear) {
 }
 
 namespace {
+
 uint32_t sideOf(uint32_t samples) { return samples == 16 ? 4 : samples == 4 ? 2 : 1; }
-}  // namespace
 
-Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples) {
-    PLUMB_ASSERT(scene.camera.has_value());
-    if (request.shading == Shading::wire)
-        throw usageError("a wire frame has no truth: its lines are a drawing, not the picture of a surface");
-    if (request.shading == Shading::ray) throw usageError("the truth of traced rays is not in this version");
-    if (request.samples != 1 && request.samples != 4 && request.samples != 16)
-        throw usageError("--samples takes 1, 4 or 16");
-    const auto begin = std::chrono::steady_clock::now();
-    const uint32_t side = sideOf(request.samples);
-    Truth out;
-    out.width = request.width;
-    out.height = request.height;
-    out.samples = request.samples;
-    const size_t pixels = size_t(out.width) * out.height;
-    out.linear.assign(3 * pixels, 0.0);
-    out.alpha.assign(pixels, 0.0);
-    out.depth.assign(pixels, INFINITY);
-    out.object.assign(pixels, kNone);
-    out.primitive.assign(pixels, kNone);
-    const uint32_t drawnSide = sideOf(drawnSamples == 0 ? request.samples : drawnSamples);
-    const Geometry geometry(scene, Pinhole(*scene.camera, out.width, out.height, side, request.fill == Fill::notes ? 0.5 * side / drawnSide : 0));
-    const Illumination illumination(scene, geometry);
-
+// Bands of pixel rows, by all threads; make() makes a thread's worker, which has draw(first row, rows) and addTo(out).
+template <class Make>
+void drawBands(const RenderRequest& request, Truth& out, const Make& make) {
     const uint32_t bands = (out.height + kBandRows - 1) / kBandRows;
     std::atomic<uint32_t> next{0}, finished{0};
-    std::atomic<uint64_t> redone{geometry.redone()};
     std::atomic<bool> stop{false};
     std::exception_ptr failure;
-    std::mutex failing;
+    std::mutex adding;
     const auto work = [&](bool reports) {
         try {
-            Band band(scene, request, geometry, illumination, side, out);
+            auto band = make();
             for (uint32_t b; !stop && (b = next.fetch_add(1)) < bands;) {
                 band.draw(b * kBandRows, std::min(kBandRows, out.height - b * kBandRows));
                 const uint32_t done = finished.fetch_add(1) + 1;
                 if (reports && request.onProgress && !request.onProgress(double(done) / bands))
                     throw Error(Exit::interrupted, "interrupted");
             }
-            redone += band.redone();
+            const std::lock_guard lock(adding);
+            band.addTo(out);
         } catch (...) {
-            const std::lock_guard lock(failing);
+            const std::lock_guard lock(adding);
             if (!failure) failure = std::current_exception();
             stop = true;
         }
@@ -157,7 +138,130 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
         work(true);
     }
     if (failure) std::rethrow_exception(failure);
-    out.redone = redone;
+}
+
+// Where rays pass through a pixel, from its upper left corner, in pixels; `anchor` is the one that the planes hold.
+struct Placement {
+    std::vector<glm::dvec2> at;
+    glm::dvec2 anchor{0};
+};
+Placement placementOf(const RenderRequest& request) {
+    using Sampling = RayChoices::Sampling;
+    const uint32_t side = sideOf(request.samples);
+    Placement p;
+    double inSquare = 0.5;
+    switch (request.rays.sampling) {
+        case Sampling::grid:
+        case Sampling::random:
+            break;
+        case Sampling::adaptive:
+            for (int k = 0; k < 16; ++k) p.at.emplace_back((k % 4 + 0.5) / 4, (k / 4 + 0.5) / 4);
+            return p;
+        case Sampling::centre:
+            p.at = {{0.5, 0.5}};
+            p.anchor = p.at[0];
+            return p;
+        case Sampling::corners:
+            p.at = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+            return p;
+        case Sampling::notes:
+            inSquare = 1;
+            break;
+    }
+    for (uint32_t k = 0; k < side * side; ++k) p.at.emplace_back((k % side + inSquare) / side, (k / side + inSquare) / side);
+    p.anchor = p.at[size_t(side / 2) * side + side / 2];
+    return p;
+}
+
+// One band of a traced picture.
+class RayBand {
+public:
+    RayBand(const truth::RayWorld& world, const Pinhole& pinhole, const RenderRequest& request, const Placement& placement, Truth& out)
+        : request_(request), pinhole_(pinhole), placement_(placement), rays_(world, pinhole, glm::dvec3(request.background)), out_(out) {}
+
+    void draw(uint32_t firstRow, uint32_t rows) {
+        for (uint32_t y = firstRow; y < firstRow + rows; ++y)
+            for (uint32_t x = 0; x < request_.width; ++x) pixel(x, y);
+    }
+    void addTo(Truth& out) const {
+        out.redone += rays_.redone();
+        out.undecided += rays_.undecided();
+        out.leftOut = std::max(out.leftOut, leftOut_);
+    }
+
+private:
+    void pixel(uint32_t x, uint32_t y) {
+        const size_t at = size_t(y) * request_.width + x;
+        glm::dvec3 sum(0);
+        uint32_t covered = 0;
+        double leftOut = 0;
+        bool anchored = false;
+        for (const glm::dvec2& d : placement_.at) {
+            const truth::RaySeen seen = look(x, y, d);
+            leftOut += seen.leftOut;
+            covered += seen.object != kNone;
+            if (!request_.transparent || seen.object != kNone) sum += seen.colour;
+            if (d != placement_.anchor) continue;
+            anchored = true;
+            write(at, x, y, d, seen);
+        }
+        if (!anchored) write(at, x, y, placement_.anchor, look(x, y, placement_.anchor));
+        const double count = request_.transparent ? std::max(covered, 1u) : double(placement_.at.size());
+        for (int c = 0; c < 3; ++c) out_.linear[3 * at + size_t(c)] = sum[c] / count;
+        out_.alpha[at] = double(covered) / double(placement_.at.size());
+        leftOut_ = std::max(leftOut_, leftOut / double(placement_.at.size()));
+    }
+    double screenX(uint32_t x, double d) const { return x + d - pinhole_.width / 2; }
+    double screenY(uint32_t y, double d) const { return y + d - pinhole_.height / 2; }
+    truth::RaySeen look(uint32_t x, uint32_t y, const glm::dvec2& d) { return rays_.look(screenX(x, d.x), screenY(y, d.y)); }
+    void write(size_t at, uint32_t x, uint32_t y, const glm::dvec2& d, const truth::RaySeen& seen) {
+        if (seen.object == kNone) return;
+        const double a = screenX(x, d.x), b = screenY(y, d.y);
+        out_.depth[at] = seen.distance * pinhole_.focal / std::sqrt(a * a + b * b + pinhole_.focal * pinhole_.focal);
+        out_.object[at] = seen.object;
+        out_.primitive[at] = seen.primitive;
+    }
+
+    const RenderRequest& request_;
+    const Pinhole& pinhole_;
+    const Placement& placement_;
+    truth::RayTruth rays_;
+    Truth& out_;
+    double leftOut_ = 0;
+};
+
+}  // namespace
+
+Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples) {
+    PLUMB_ASSERT(scene.camera.has_value());
+    if (request.shading == Shading::wire)
+        throw usageError("a wire frame has no truth: its lines are a drawing, not the picture of a surface");
+    if (request.samples != 1 && request.samples != 4 && request.samples != 16)
+        throw usageError("--samples takes 1, 4 or 16");
+    const auto begin = std::chrono::steady_clock::now();
+    Truth out;
+    out.width = request.width;
+    out.height = request.height;
+    out.samples = request.samples;
+    const size_t pixels = size_t(out.width) * out.height;
+    out.linear.assign(3 * pixels, 0.0);
+    out.alpha.assign(pixels, 0.0);
+    out.depth.assign(pixels, INFINITY);
+    out.object.assign(pixels, kNone);
+    out.primitive.assign(pixels, kNone);
+    if (request.shading == Shading::ray) {
+        const Pinhole pinhole(*scene.camera, out.width, out.height, 1);
+        const Placement placement = placementOf(request);
+        out.samples = uint32_t(placement.at.size());
+        const truth::RayWorld world(scene);
+        drawBands(request, out, [&] { return RayBand(world, pinhole, request, placement, out); });
+    } else {
+        const uint32_t side = sideOf(request.samples), drawnSide = sideOf(drawnSamples == 0 ? request.samples : drawnSamples);
+        const Geometry geometry(scene, Pinhole(*scene.camera, out.width, out.height, side, request.fill == Fill::notes ? 0.5 * side / drawnSide : 0));
+        const Illumination illumination(scene, geometry);
+        out.redone = geometry.redone();
+        drawBands(request, out, [&] { return Band(scene, request, geometry, illumination, side, out); });
+    }
     out.timeMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     return out;
 }

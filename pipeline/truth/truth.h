@@ -16,7 +16,9 @@ struct Truth {
     // Of the sample that stands for the pixel.
     std::vector<double> depth;                // planar, scene units; +infinity where nothing is seen
     std::vector<uint32_t> object, primitive;  // kNone where nothing is seen
-    uint64_t redone = 0;                      // decisions that binary64 left open, decided without rounding
+    uint64_t redone = 0;                      // decisions that binary64 left open, decided without rounding; of rays: samples followed again in more bits
+    uint64_t undecided = 0;                   // of rays: decisions that binary128 leaves open, such as exact ties
+    double leftOut = 0;                       // of rays: the largest share of a pixel's weight whose rays were not followed
     double timeMs = 0;
 };
 
@@ -24,6 +26,9 @@ struct Truth {
 // (x, y) of the screen, and the truth's samples lie around it; 0: as many as the truth's)
 // and onProgress (called by one thread; false cancels: Error(interrupted)). Its shading
 // changes nothing, since the truth is Phong's. A wire frame has no truth here: Error(usage).
+// Shading::ray has a truth of its own (rays.h): 64 rays deep and to a weight of 2^-20 whatever the request's depth and cutoff, colours without noise and without cutting
+// to levels. Of its rays it takes where they pass through a pixel: grid (also for random places and for adaptive, whose finest is 16), the pixel's middle, its four corners
+// (their mean), or the notes' corner. Several samples are then those of RayChoices, and the planes hold the sample that the picture's planes hold.
 Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples = 0);
 
 // 0 to 255, not rounded: IEC 61966-2-1 of the value clamped to [0, 1].
