@@ -525,10 +525,6 @@ const char* nameOf(Aov aov) {
     static constexpr const char* kNames[] = {"color", "linear", "depth", "distance", "normal", "object_id", "primitive_id"};
     return kNames[size_t(aov)];
 }
-const char* nameOf(Sampling sampling) {
-    static constexpr const char* kNames[] = {"grid", "centre", "random", "corners", "adaptive", "notes"};
-    return kNames[size_t(sampling)];
-}
 const char* nameOf(Shading shading) {
     static constexpr const char* kNames[] = {"wire", "unlit", "flat", "gouraud", "phong", "ray"};
     return kNames[size_t(shading)];

@@ -19,12 +19,9 @@ enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHe
 
 enum class ProgressMode { automatic, bar, plain, json, none };
 enum class StereoForm { none, pair, sideBySide, anaglyph };
-// Where rays pass through a pixel; as RayChoices::Sampling, which stands in a room after this one.
-enum class Sampling { grid, centre, random, corners, adaptive, notes };
 enum class Aov { colour, linear, depth, distance, normal, objectId, primitiveId };
 
 const char* nameOf(Aov);
-const char* nameOf(Sampling);
 
 // As written on the command line: bytes of the picture, before any encoding is undone.
 struct BackgroundFlag {

@@ -23,10 +23,12 @@ Json truthJson(const Truth& truth) {
             {"samples", truth.samples},
             {"redone", truth.redone},
             {"timeMs", truth.timeMs},
-            {"description",
-             "Phong at every sample in binary64: perspective, exact specular power, vertices not snapped; decisions "
-             "that binary64 leaves open are made "
-             "without rounding"}};
+            {"undecided", truth.undecided},
+            {"leftOut", truth.leftOut},
+            {"description", truth.traced ? "rays from the definitions in binary64, 64 deep and to a weight of 2^-20, without noise; samples whose decisions its bounds leave open are "
+                                           "followed again in 64 bits and in binary128"
+                                         : "Phong at every sample in binary64: perspective, exact specular power, vertices not snapped; decisions that binary64 leaves open are made "
+                                           "without rounding"}};
 }
 
 Json errorJson(const FrameError& e, bool sampledAlike, const std::optional<Rounding>& rounding) {
@@ -50,10 +52,9 @@ Json errorJson(const FrameError& e, bool sampledAlike, const std::optional<Round
 std::string errorLine(const FrameError& e, const Truth& truth, const std::optional<Rounding>& rounding) {
     return fmt::format(
         "error in steps of 1/255 over {} pixels: max {:.3f} at ({}, {}), p99 {:.3f}, rms {:.3f}; wrong primitive in {} "
-        "({:.3f} %){}; truth in {:.0f} ms, {} decisions "
-        "redone exactly",
+        "({:.3f} %){}; truth in {:.0f} ms, {} {}",
         e.pixels, e.picture.max, e.picture.x, e.picture.y, e.picture.p99, e.picture.rms, e.wrongPrimitive,
-        100 * e.wrongShare(), rounding ? fmt::format("; float32 by itself: max {:.2g}, rms {:.2g}", rounding->max, rounding->rms) : "", truth.timeMs, truth.redone);
+        100 * e.wrongShare(), rounding ? fmt::format("; float32 by itself: max {:.2g}, rms {:.2g}", rounding->max, rounding->rms) : "", truth.timeMs, truth.redone, truth.traced ? "samples followed again in more bits" : "decisions redone exactly");
 }
 
 }  // namespace plumb

@@ -55,12 +55,18 @@ Json rowJson(const Row& row, const Measurement& m) {
     json["why"] = row.why.empty() ? Json() : Json(row.why);
     json["verdict"] = row.run ? Json(nameOf(row.choice->verdict)) : Json();
     json["timeMs"] = json["ratio"] = json["passesMs"] = json["error"] = json["errorAtItsSamples"] = Json();
-    json["bound"] = json["boundWhy"] = Json();
+    json["bound"] = json["boundWhy"] = json["rays"] = Json();
     if (row.run) {
         const MeasuredRun& run = m.runs[*row.run];
         json["timeMs"] = timesJson(run.total);
         json["ratio"] = ratioJson(run, m.runs[0]);
         json["passesMs"] = passesJson(run);
+        if (!run.rays.empty()) {
+            RenderCounters::RayCounts sum;
+            for (const RenderCounters::RayCounts& depth : run.rays)
+                sum.primary += depth.primary, sum.reflected += depth.reflected, sum.refracted += depth.refracted, sum.feelers += depth.feelers;
+            json["rays"] = {{"primary", sum.primary}, {"reflected", sum.reflected}, {"refracted", sum.refracted}, {"feelers", sum.feelers}};
+        }
         if (run.error) {
             json["error"] = errorJson(*run.error, false, run.rounding);
             json["errorAtItsSamples"] = errorJson(*run.alike, true, run.rounding);
@@ -281,8 +287,6 @@ Exit measureCommand(const Options& options) {
     for (const std::string& fallback : renderer.fallbacks()) fmt::print(stderr, "plumb: {}\n", fallback);
     plan.deviceThere = renderer.device() != nullptr;
     plan.base.request = requestOf(options, scene, size);
-    if (plan.base.request.shading == Shading::ray)
-        throw usageError("--shading: the truth of traced rays is not in this version; choose another shading");
     if (plan.base.request.shading == Shading::wire)
         throw usageError("--shading: wire has no truth to be measured against; it is a row of the axis 'shading'");
     plan.base.request.onProgress = [](double) { return interruptedBy() == 0; };

@@ -30,7 +30,7 @@ double millisecondsSince(Clock::time_point start) { return std::chrono::duration
 std::string raysInWords(const RayChoices& rays) {
     std::string words;
     const auto add = [&](const std::string& word) { words += (words.empty() ? "" : " ") + word; };
-    if (rays.sampling != RayChoices::Sampling::grid) add(fmt::format("sampling={}", nameOf(Sampling(rays.sampling))));
+    if (rays.sampling != RayChoices::Sampling::grid) add(fmt::format("sampling={}", nameOf(rays.sampling)));
     for (const auto& [name, amount] : {std::pair("reflect", rays.jitterReflect), std::pair("refract", rays.jitterRefract), std::pair("shadow", rays.jitterShadow)})
         if (amount > 0) add(fmt::format("jitter.{}={:g}", name, amount));
     if (rays.seed != 0) add(fmt::format("seed={}", rays.seed));

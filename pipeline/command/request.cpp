@@ -34,21 +34,40 @@ void chooseShading(const Options& options, const Scene& scene, RenderRequest& re
     request.shadingReason = fmt::format("shading ray: {}; --shading overrides", asked);
 }
 
-void rayChoices(const Options& options, RenderRequest& request) {
+// The flag, or else the scene.
+template <class Value>
+Value stated(const std::optional<Value>& flag, const std::optional<Value>& scene, Value fallback, const char* name, std::string& by) {
+    if (flag)
+        by = name;
+    else if (scene)
+        by = fmt::format("the scene; {} overrides", name);
+    return flag ? *flag : scene.value_or(fallback);
+}
+
+void rayChoices(const Options& options, const Scene& scene, RenderRequest& request) {
     const std::pair<const char*, bool> flags[] = {{"--sampling", options.sampling.has_value()},
                                                   {"--jitter", options.jitterReflect || options.jitterRefract || options.jitterShadow},
                                                   {"--seed", options.seed.has_value()},
                                                   {"--levels", options.cutLevels.has_value()}};
     for (const auto& [flag, given] : flags)
         if (given && request.shading != Shading::ray) throw usageError(fmt::format("{} goes with --shading ray", flag));
+    if (request.shading != Shading::ray) return;
     RayChoices& rays = request.rays;
-    static_assert(int(Sampling::notes) == int(RayChoices::Sampling::notes) && int(Sampling::adaptive) == int(RayChoices::Sampling::adaptive));
-    rays.sampling = RayChoices::Sampling(options.sampling.value_or(Sampling::grid));
-    rays.jitterReflect = float(options.jitterReflect.value_or(0));
-    rays.jitterRefract = float(options.jitterRefract.value_or(0));
-    rays.jitterShadow = float(options.jitterShadow.value_or(0));
-    rays.seed = options.seed.value_or(0);
-    rays.cutLevels = options.cutLevels.value_or(false);
+    RenderRequest::StatedBy& by = request.statedBy;
+    rays.sampling = stated(options.sampling, scene.sampling, Sampling::grid, "--sampling", by.sampling);
+    if (!options.sampling && scene.sampling && options.samples != 1 && (rays.sampling == Sampling::corners || rays.sampling == Sampling::adaptive))
+        throw usageError(fmt::format("--samples: the scene's sampling = \"{}\" has its own number of samples; leave --samples out, or state --sampling", nameOf(rays.sampling)));
+    // Each noise by itself: --jitter reflect=0 leaves the scene's others.
+    std::string first, second, third;
+    rays.jitterReflect = float(stated(options.jitterReflect, scene.jitterReflect, 0.0, "--jitter", first));
+    rays.jitterRefract = float(stated(options.jitterRefract, scene.jitterRefract, 0.0, "--jitter", second));
+    rays.jitterShadow = float(stated(options.jitterShadow, scene.jitterShadow, 0.0, "--jitter", third));
+    for (const std::string& one : {first, second, third})
+        if (!one.empty() && by.jitter.empty()) by.jitter = one;
+    for (const std::string& one : {first, second, third})
+        if (!one.empty() && one != by.jitter) by.jitter = "the scene and --jitter, which overrides";
+    rays.seed = stated(options.seed, scene.seed, 0u, "--seed", by.seed);
+    rays.cutLevels = stated(options.cutLevels, scene.cutLevels, false, "--levels", by.levels);
 }
 
 }  // namespace
@@ -78,7 +97,7 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     request.minWeight = float(options.minWeight.value_or(scene.minWeight));
     if (request.shading != Shading::ray && options.maxDepth) throw usageError("--max-depth goes with --shading ray");
     if (request.shading != Shading::ray && options.minWeight) throw usageError("--min-weight goes with --shading ray");
-    rayChoices(options, request);
+    rayChoices(options, scene, request);
     if (request.shading == Shading::ray && request.fill == Fill::notes) throw usageError("--fill notes is a fill of the raster shadings; --shading ray has none");
     request.encoding = options.encoding.value_or(scene.encoding.value_or(Encoding::srgb));
     request.samples = options.samples;

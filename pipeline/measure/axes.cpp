@@ -34,6 +34,20 @@ void fillBy(Setting& s) {
     s.request.fill = value;
 }
 
+template <uint32_t value>
+void followTo(Setting& s) {
+    s.request.maxDepth = value;
+}
+// One part in `divisor`; 0: none.
+template <uint32_t divisor>
+void cutBelow(Setting& s) {
+    s.request.minWeight = divisor == 0 ? 0.0f : 1.0f / float(divisor);
+}
+template <RayChoices::Sampling value>
+void sampleRays(Setting& s) {
+    s.request.rays.sampling = value;
+}
+
 using Specular = Trade::Specular;
 using Vectors = Trade::Vectors;
 // trade<&Trade::member, value>
@@ -41,6 +55,9 @@ template <auto member, auto value>
 void trade(Setting& s) {
     s.request.trade.*member = value;
 }
+// What is stated stays.
+void keep(Setting&) {}
+
 // In the order in which a picture is made.
 const std::vector<Axis> kAxes = {
     {"shading",
@@ -49,7 +66,9 @@ const std::vector<Axis> kAxes = {
       {"unlit", Verdict::bits, shade<Shading::unlit>, "the material's own colour"},
       {"flat", Verdict::bits, shade<Shading::flat>, "one illumination a face"},
       {"gouraud", Verdict::bits, shade<Shading::gouraud>, "one illumination a vertex, interpolated"},
-      {"phong", Verdict::bits, shade<Shading::phong>, "one illumination a pixel"}}},
+      {"phong", Verdict::bits, shade<Shading::phong>, "one illumination a pixel"},
+      {"ray", Verdict::bits, shade<Shading::ray>, "rays from the eye: shadows, mirrors and glass"}},
+     Scope::both},
     {"transform",
      "numbers in which vertices are projected",
      {{"fp32", Verdict::bits, trade<&Trade::numbers, Numbers::fp32>, "float32, from a composite matrix made in binary64"},
@@ -96,17 +115,43 @@ const std::vector<Axis> kAxes = {
       {"native", Verdict::bounded, trade<&Trade::nativeEncode, true>, "the device's own pow: at most one code off, next to a tie"}}},
     {"encoding",
      "the curve of the bytes",
-     {{"srgb", Verdict::bits, encode<Encoding::srgb>, "IEC 61966-2-1"}, {"linear", Verdict::bits, encode<Encoding::linear>, "bytes in proportion to light"}}},
+     {{"srgb", Verdict::bits, encode<Encoding::srgb>, "IEC 61966-2-1"}, {"linear", Verdict::bits, encode<Encoding::linear>, "bytes in proportion to light"}},
+     Scope::both},
     {"samples",
      "samples a pixel",
      {{"1", Verdict::bits, sample<1>, "the pixel's centre"},
       {"4", Verdict::bits, sample<4>, "2x2, resolved in linear light"},
-      {"16", Verdict::bits, sample<16>, "4x4, resolved in linear light"}}},
-    {"trace", "rays after the first", {{"depth", Verdict::bits, nullptr, "nothing is traced here"}, {"cutoff", Verdict::bits, nullptr, "nothing is traced here"}}},
-    {"renderer", "what draws", {{"device", Verdict::bits, useDevice, "the Vulkan device"}, {"twin", Verdict::bits, useTwin, "the CPU twin on all threads"}}},
+      {"16", Verdict::bits, sample<16>, "4x4, resolved in linear light"}},
+     Scope::both},
+    {"trace-depth",
+     "rays one after another",
+     {{"stated", Verdict::bits, keep, "as the scene or --max-depth has it"},
+      {"1", Verdict::bits, followTo<1>, "from the eye only: mirrors and glass show their own colour"},
+      {"2", Verdict::bits, followTo<2>, "what mirrors show is not mirrored again"},
+      {"3", Verdict::bits, followTo<3>, "three"},
+      {"5", Verdict::bits, followTo<5>, "five, as the notes' program"},
+      {"10", Verdict::bits, followTo<10>, "ten"}},
+     Scope::rays},
+    {"trace-cutoff",
+     "weight below which a ray is not followed",
+     {{"stated", Verdict::bits, keep, "as the scene or --min-weight has it"},
+      {"0", Verdict::bits, cutBelow<0>, "every ray is followed to the depth"},
+      {"1/256", Verdict::bits, cutBelow<256>, "about a step of the code at full light"},
+      {"1/100", Verdict::bits, cutBelow<100>, "1 %, as the notes have it"},
+      {"1/10", Verdict::bits, cutBelow<10>, "10 %, as the notes have it"}},
+     Scope::rays},
+    {"ray-sampling",
+     "where rays pass through a pixel",
+     {{"grid", Verdict::bits, sampleRays<RayChoices::Sampling::grid>, "the middle of each sample's square"},
+      {"random", Verdict::bits, sampleRays<RayChoices::Sampling::random>, "anywhere in each sample's square"},
+      {"corners", Verdict::bits, sampleRays<RayChoices::Sampling::corners>, "the pixel's corners, each ray shared by four pixels"},
+      {"adaptive", Verdict::bits, sampleRays<RayChoices::Sampling::adaptive>, "corners, and 16 samples where they differ"}},
+     Scope::rays},
+    {"renderer", "what draws", {{"device", Verdict::bits, useDevice, "the Vulkan device"}, {"twin", Verdict::bits, useTwin, "the CPU twin on all threads"}}, Scope::both},
     {"threads",
      "threads of the CPU twin",
-     {{"1", Verdict::bits, useThreads<1>, "one"}, {"2", Verdict::bits, useThreads<2>, "two"}, {"4", Verdict::bits, useThreads<4>, "four"}}},
+     {{"1", Verdict::bits, useThreads<1>, "one"}, {"2", Verdict::bits, useThreads<2>, "two"}, {"4", Verdict::bits, useThreads<4>, "four"}},
+     Scope::both},
 };
 
 }  // namespace
@@ -118,15 +163,19 @@ const char* nameOf(Verdict verdict) {
 
 std::string wordsOf(const Setting& s) {
     const RenderRequest& r = s.request;
-    static constexpr const char* kShadings[] = {"wire", "unlit", "flat", "gouraud", "phong"};
+    static constexpr const char* kShadings[] = {"wire", "unlit", "flat", "gouraud", "phong", "ray"};
     const Trade& t = r.trade;
     static constexpr const char* kNumbers[] = {"fp32", "block-integer", "fp64"};
     static constexpr const char* kSpeculars[] = {"exact", "schlick", "native"};
     const std::string depth = t.depthBits == 32 ? "reversed-32" : t.depthBits == Trade::kStandardDepth ? "standard-32" : std::to_string(t.depthBits);
-    return fmt::format("shading={} fill={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} transform={} normals={} rate={} encode={} renderer={}{}",
+    const std::string machine = (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device");
+    if (r.shading == Shading::ray)
+        return fmt::format("shading=ray encoding={} samples={} trace-depth={} trace-cutoff={} ray-sampling={} {}", r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, r.maxDepth, r.minWeight,
+                           nameOf(r.rays.sampling), machine);
+    return fmt::format("shading={} fill={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} transform={} normals={} rate={} encode={} {}",
                        kShadings[size_t(r.shading)], r.fill == Fill::notes ? "notes" : "exact", r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, kSpeculars[size_t(t.specular)],
                        t.vectors == Vectors::pixel ? "pixel" : "scene", t.affine ? "affine" : "perspective", depth, t.subpixelBits,
-                       kNumbers[size_t(t.numbers)], t.unitNormals ? "normalised" : "as-interpolated", t.coarse ? "1/2" : "1", t.nativeEncode ? "native" : "threshold", s.twin ? "twin" : "device", s.twin ? fmt::format(" threads={}", r.threads) : "");
+                       kNumbers[size_t(t.numbers)], t.unitNormals ? "normalised" : "as-interpolated", t.coarse ? "1/2" : "1", t.nativeEncode ? "native" : "threshold", machine);
 }
 
 std::span<const Axis> axes() { return kAxes; }

@@ -29,10 +29,14 @@ struct Choice {
     const char* why;          // absent: why; else what it does
 };
 
+// Which pictures have such a choice.
+enum class Scope { raster, rays, both };
+
 struct Axis {
     const char* name;
     const char* what;  // one line for people
     std::vector<Choice> choices;
+    Scope scope = Scope::raster;
 };
 
 std::span<const Axis> axes();

@@ -28,6 +28,16 @@ const char* notesLack(const Setting& setting) {
     return other != Trade{} ? "the notes' fill has no such choice" : nullptr;
 }
 
+// What a picture of rays has and a raster picture has not, and the other way round. Null: nothing is missing.
+const char* scopeLacks(const Axis& axis, const Setting& base, const Setting& setting) {
+    const bool traced = base.request.shading == Shading::ray;
+    if (traced && axis.scope == Scope::raster) return "not applicable: a choice of the raster passes, and this picture is traced";
+    if (!traced && axis.scope == Scope::rays) return "not applicable: nothing is traced in a raster picture; measure with --shading ray";
+    if (!traced && setting.request.shading == Shading::ray)
+        return "not applicable: rays see shadows and mirrors, which the truth of a raster picture has not; measure with --shading ray";
+    return nullptr;
+}
+
 class Measuring {
 public:
     Measuring(const Scene& scene, const MeasurePlan& plan) : scene_(scene), plan_(plan) {}
@@ -67,11 +77,14 @@ private:
                 row.axis = axis;
                 row.choice = &choice;
                 if (choice.apply == nullptr) {
-                    row.why = choice.why;
+                    const char* outside = scopeLacks(*axis, plan_.base, plan_.base);
+                    row.why = outside != nullptr ? outside : choice.why;
                 } else {
                     Setting setting = plan_.base;
                     choice.apply(setting);
-                    if (const char* lacks = notesLack(setting); lacks != nullptr) {
+                    if (const char* outside = scopeLacks(*axis, plan_.base, setting); outside != nullptr) {
+                        row.why = outside;
+                    } else if (const char* lacks = notesLack(setting); lacks != nullptr) {
                         row.why = lacks;
                     } else if (!setting.twin && !plan_.deviceThere) {
                         row.why = "no device draws here";
@@ -86,19 +99,27 @@ private:
         estimates_.assign(out_.runs.size(), 0);
     }
 
-    // The notes' fill samples whole coordinates, and so does the truth that it is held against.
-    const Truth& truthAt(uint32_t samples, Fill fill, uint32_t drawn) {
+    bool traced() const { return plan_.base.request.shading == Shading::ray; }
+
+    // The notes' fill samples whole coordinates, and so does the truth that it is held against. Rays may lie elsewhere in a pixel.
+    const Truth& truthAt(uint32_t samples, Fill fill, uint32_t drawn, Sampling sampling = Sampling::grid) {
         if (fill != Fill::notes) drawn = samples;
-        auto found = truths_.find({samples, fill, drawn});
+        auto found = truths_.find({samples, fill, drawn, sampling});
         if (found == truths_.end()) {
             RenderRequest request = plan_.base.request;
             request.fill = fill;
-            request.shading = Shading::phong;
+            request.shading = traced() ? Shading::ray : Shading::phong;
+            request.rays.sampling = sampling;
             request.samples = samples;
             request.onProgress = [this](double) { return tell(0), true; };
-            found = truths_.emplace(std::tuple(samples, fill, drawn), truthOf(scene_, request, drawn)).first;
+            found = truths_.emplace(std::tuple(samples, fill, drawn, sampling), truthOf(scene_, request, drawn)).first;
         }
         return found->second;
+    }
+    // At the places of a picture's own samples.
+    const Truth& truthLike(const RenderRequest& request) {
+        const bool rays = request.shading == Shading::ray;
+        return truthAt(request.samples, request.fill, request.samples, rays ? request.rays.sampling : Sampling::grid);
     }
 
     // The one truth has the most accurate choice of every knob: the most samples among the runs.
@@ -128,9 +149,8 @@ private:
                 const bool transparent = full.request.transparent;
                 const Fill fill = full.request.fill;
                 run.error = errorOf(result.frame, truthAt(most, fill, full.request.samples), full.request.encoding, transparent);
-                run.alike = full.request.samples == most ? run.error
-                                                         : errorOf(result.frame, truthAt(full.request.samples, fill, full.request.samples),
-                                                                   full.request.encoding, transparent);
+                const Truth& own = truthLike(full.request);
+                run.alike = &own == &truthAt(most, fill, full.request.samples) ? run.error : errorOf(result.frame, own, full.request.encoding, transparent);
                 run.alike->perPixel.clear();
                 run.alike->unroundedPerPixel.clear();
                 if (i == 0) baseLinear_ = result.frame.linear, baseSteps_ = run.error->unroundedPerPixel;
@@ -147,6 +167,7 @@ private:
                 if (!plan_.keepPictures) run.error->perPixel.clear();
             }
             estimates_[i] = result.totalMs;
+            run.rays = result.counters.rays;
             if (full.request.planes != run.setting.request.planes) {
                 const RenderResult plain = plan_.draw(scene_, run.setting);
                 if (plain.frame.rgba != result.frame.rgba)
@@ -164,15 +185,18 @@ private:
         const RenderRequest &base = plan_.base.request, &request = run.setting.request;
         Setting rest = run.setting;
         rest.request.trade = base.trade;
-        if (request.trade == base.trade || wordsOf(rest) != wordsOf(plan_.base)) {
-            run.boundWhy = "only a choice of the trade is bounded";
+        rest.request.maxDepth = base.maxDepth;
+        rest.request.minWeight = base.minWeight;
+        const bool depthOrCutoff = traced() && (request.maxDepth != base.maxDepth || request.minWeight != base.minWeight);
+        if ((request.trade == base.trade && !depthOrCutoff) || wordsOf(rest) != wordsOf(plan_.base)) {
+            run.boundWhy = traced() ? "only depth and cutoff of rays are bounded" : "only a choice of the trade is bounded";
             return;
         }
         if (base.trade != Trade{} || base.encoding != Encoding::srgb) {
             run.boundWhy = "bounds are those of choices against an sRGB picture that trades nothing";
             return;
         }
-        const ColourBound moves = boundOfTrade(scene_, request);
+        const ColourBound moves = depthOrCutoff ? boundOfDepth(scene_, base, request) : boundOfTrade(scene_, request);
         if (!moves.proved) {
             run.boundWhy = moves.why;
             return;
@@ -283,7 +307,7 @@ private:
     const MeasurePlan& plan_;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     Measurement out_;
-    std::map<std::tuple<uint32_t, Fill, uint32_t>, Truth> truths_;  // by its samples, fill, samples drawn
+    std::map<std::tuple<uint32_t, Fill, uint32_t, Sampling>, Truth> truths_;  // by its samples, fill, samples drawn, places of rays
     std::vector<float> baseLinear_, baseSteps_;  // of the default picture: its colours, and its errors before rounding to bytes
     std::vector<double> estimates_;  // ms of one draw of each run
     uint32_t rounds_ = 0;

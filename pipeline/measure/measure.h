@@ -49,6 +49,7 @@ struct MeasuredRun {
     std::string boundWhy;             // no bound: why
     std::optional<Rounding> rounding; // what float32 costs by itself
     std::vector<uint32_t> rgba;       // keepPictures
+    std::vector<RenderCounters::RayCounts> rays;  // by depth; of a traced picture
     std::string refused;              // what the renderer says who does not draw this scene so; then it is cut, and its rows are absent
     bool cut = false;                 // the limit left no time for it
 };

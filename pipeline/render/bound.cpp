@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/bound.h"
 
+#include "pipeline/scene/ray_shares.h"
 #include "shaders/shared/encode.h"
 #include "shaders/shared/fill.h"
 #include "shaders/shared/shade.h"
@@ -9,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 
 namespace plumb {
 
@@ -57,6 +60,15 @@ dvec3 mostLight(const Scene& scene) {
                 for (const dvec3& corner : p) reach = std::max(reach, glm::length(corner - scene.camera->eye));
                 nearest = std::min(nearest, distanceToTriangle(light.position, p[0], p[1], p[2]));
             });
+            // Rays meet these, too; a bounded plane is part of the whole one.
+            for (const SphereShape& s : scene.spheres) {
+                nearest = std::min(nearest, std::abs(glm::length(s.centre - light.position) - s.radius));
+                reach = std::max(reach, glm::length(s.centre - scene.camera->eye) + s.radius);
+            }
+            for (const PlaneShape& p : scene.planes) {
+                nearest = std::min(nearest, std::abs(glm::dot(p.normal, light.position - p.point)));
+                reach = std::max(reach, glm::length(light.position - scene.camera->eye));
+            }
             nearest = std::max(0.0, nearest - std::ldexp(reach, -20));
             fade = nearest == kInfinity ? 0 : 1 / std::pow(nearest, int(light.attenuation));
         }
@@ -106,6 +118,58 @@ dvec3 slack(const Scene& scene, const dvec3& light) {
     return most * std::ldexp(16.0 * double(scene.lights.size() + 1), -24);
 }
 
+// The most weight that a tree of rays may leave below `least`, its last rays `depth` deep: the worst sequence of materials, each of which mirrors, or lets
+// pass, or both, or mirrors all of it.
+class CutWeight {
+public:
+    CutWeight(const Scene& scene, double least, uint32_t depth) : least_(least), depth_(depth) {
+        for (const Material& m : scene.materials) {
+            const RayShares s = raySharesOf(m);
+            if (s.reflect > 0 || s.transmit > 0) shares_.insert({double(s.reflect), double(s.transmit)});
+        }
+    }
+    double most() { return least_ > 0 ? below(1, 1) : 0; }
+
+private:
+    static constexpr size_t kMostStates = 100000;
+
+    double below(double weight, uint32_t depth) {
+        if (depth >= depth_) return 0;
+        const auto known = known_.find({weight, depth});
+        if (known != known_.end()) return known->second;
+        if (known_.size() > kMostStates) return weight;  // no more can be left of it
+        double worst = 0;
+        for (const auto& [reflect, transmit] : shares_) {
+            worst = std::max(worst, child(weight * reflect, depth) + child(weight * transmit, depth));
+            if (transmit > 0) worst = std::max(worst, child(weight * (reflect + transmit), depth));
+        }
+        return known_[{weight, depth}] = std::min(worst, weight);
+    }
+    // float32 multiplies weights: within 64 u of the cutoff it may decide either way.
+    double child(double weight, uint32_t depth) {
+        const double slack = std::ldexp(64.0, -24) * least_;
+        double worst = 0;
+        if (weight < least_ + slack) worst = weight;
+        if (weight >= least_ - slack) worst = std::max(worst, below(weight, depth + 1));
+        return worst;
+    }
+
+    const double least_;
+    const uint32_t depth_;
+    std::set<std::pair<double, double>> shares_;
+    std::map<std::pair<double, uint32_t>, double> known_;
+};
+
+// Rays of a sample at most.
+double mostRays(double sentOn, bool branching, double least, uint32_t depth) {
+    double count = 0;
+    for (uint32_t k = 0; k < depth; ++k) {
+        const double heavy = least > 0 ? std::pow(sentOn, k) / least : kInfinity;
+        count += branching ? std::min(std::ldexp(1.0, int(k)), heavy) : 1;
+    }
+    return count;
+}
+
 bool isLit(const RenderRequest& request) {
     return request.shading != Shading::unlit && request.shading != Shading::wire;
 }
@@ -121,6 +185,35 @@ ColourBound boundOfNative(const Scene& scene, const RenderRequest& request) {
         times(scene, light, 0, [](float n) { return double(gpu::nativePowerBound(n)); }) + slack(scene, light);
     if (!std::isfinite(bound.linear.x + bound.linear.y + bound.linear.z))
         return {false, dvec3(0), 0, "a light that fades with distance may touch a surface"};
+    return bound;
+}
+
+ColourBound boundOfDepth(const Scene& scene, const RenderRequest& base, const RenderRequest& request) {
+    const auto none = [](const char* why) { return ColourBound{false, dvec3(0), 0, why}; };
+    if (request.rays.cutLevels) return none("whole levels are cut after each ray");
+    const dvec3 light = mostLight(scene);
+    dvec3 brightest(request.background);
+    double sentOn = 0;
+    bool branching = false;
+    for (const Material& m : scene.materials) {
+        for (int c = 0; c < 3; ++c)
+            brightest[c] = std::max(brightest[c], double(m.ambient[c]) * double(scene.ambient[c]) + double(m.emission[c]) + light[c] * (double(m.diffuse[c]) + double(m.specular[c])));
+        const RayShares s = raySharesOf(m);
+        sentOn = std::max(sentOn, double(s.reflect) + double(s.transmit));
+        branching |= s.reflect > 0 && s.transmit > 0;
+    }
+    if (!std::isfinite(brightest.x + brightest.y + brightest.z)) return none("a light that fades with distance may touch a surface");
+    double weight = 0;
+    const uint32_t shallow = std::min(base.maxDepth, request.maxDepth), deep = std::max(base.maxDepth, request.maxDepth);
+    if (shallow != deep) weight += std::pow(sentOn, shallow);
+    if (base.minWeight != request.minWeight) {
+        const double least = double(std::max(base.minWeight, request.minWeight)), other = double(std::min(base.minWeight, request.minWeight));
+        weight += std::max(CutWeight(scene, least, deep).most(), CutWeight(scene, other, deep).most());
+    }
+    // Both pictures round each of their sums to u of it; products within them take fewer than 2^7 operations.
+    const double rays = mostRays(sentOn, branching, double(std::min(base.minWeight, request.minWeight)), deep);
+    ColourBound bound;
+    bound.linear = brightest * (std::min(weight, 1.0) + (rays + 128) * std::ldexp(1.0, -23));
     return bound;
 }
 

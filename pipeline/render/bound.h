@@ -20,6 +20,11 @@ struct ColourBound {
 // Between a picture with the trade of `request` and the same with none.
 ColourBound boundOfTrade(const Scene& scene, const RenderRequest& request);
 
+// Between two traced pictures that differ in depth and cutoff alone. A ray is no brighter than the brightest material in all the light that there is, or
+// the sky; rays beyond depth d weigh m^d together, with m the largest share that a material sends on; those below the cutoff, the most that any
+// sequence of the scene's materials leaves below it.
+ColourBound boundOfDepth(const Scene& scene, const RenderRequest& base, const RenderRequest& request);
+
 // Between two devices, or device and twin, that draw `request`: 0 but for the device's own functions. Always proved unless a light may touch a
 // surface.
 ColourBound boundOfNative(const Scene& scene, const RenderRequest& request);

@@ -335,10 +335,14 @@ void checkRays(const RenderRequest& request) {
 
 void planRays(const RenderRequest& request, Plan& plan) {
     const RayChoices& rays = request.rays;
-    if (rays.sampling != RayChoices::Sampling::grid) plan.choices.push_back(fmt::format("sampling {}", wordsOf(rays.sampling)));
+    const auto by = [](const std::string& who) { return who.empty() ? "" : fmt::format(" (stated by {})", who); };
+    const RenderRequest::StatedBy& stated = request.statedBy;
+    if (rays.sampling != RayChoices::Sampling::grid || !stated.sampling.empty()) plan.choices.push_back(fmt::format("sampling {}{}", wordsOf(rays.sampling), by(stated.sampling)));
     for (const auto& [name, amount] : {std::pair("reflected rays", rays.jitterReflect), std::pair("refracted rays", rays.jitterRefract), std::pair("shadow feelers", rays.jitterShadow)})
-        if (amount > 0) plan.choices.push_back(fmt::format("noise of {:g} on {}, seed {}", amount, name, rays.seed));
-    if (rays.cutLevels) plan.choices.push_back("levels cut: colours are whole levels, cut after each ray");
+        if (amount > 0) plan.choices.push_back(fmt::format("noise of {:g} on {}, seed {}{}", amount, name, rays.seed, by(stated.jitter)));
+    if (!stated.seed.empty()) plan.choices.push_back(fmt::format("seed {}{}", rays.seed, by(stated.seed)));
+    if (rays.cutLevels || !stated.levels.empty())
+        plan.choices.push_back(fmt::format("levels {}{}", rays.cutLevels ? "cut: colours are whole levels, cut after each ray" : "exact", by(stated.levels)));
 }
 
 }  // namespace

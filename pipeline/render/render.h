@@ -36,14 +36,7 @@ struct Trade {
 
 // Where rays pass through a pixel, how they spread, and how their colours add up (Shading::ray; docs/rays.md).
 struct RayChoices {
-    enum class Sampling {
-        grid,                             // the middle of each sample's square
-        centre,                           // every sample through the pixel's middle
-        random,                           // anywhere in the sample's square
-        corners,                          // the pixel's corners, each ray shared by up to four pixels; samples 1
-        adaptive,                         // corners; where they differ by more than kCornerLevels, the 16 samples of the grid instead; samples 1
-        notes,                            // each sample's lower right corner, where the notes' C program looks
-    };
+    using Sampling = plumb::Sampling;     // adaptive: 16 samples where a pixel's corners differ by more than kCornerLevels
     Sampling sampling = Sampling::grid;
     float jitterReflect = 0, jitterRefract = 0, jitterShadow = 0;  // noise on unit vectors, 0 to 1/2
     uint32_t seed = 0;                    // of the noise and of Sampling::random
@@ -55,6 +48,7 @@ struct RenderRequest {
     uint32_t width = 640, height = 480;
     Shading shading = Shading::phong;
     std::string shadingReason;            // why, where nobody stated it; for the plan
+    struct StatedBy { std::string sampling, jitter, seed, levels; } statedBy;  // "--seed", "the scene; --seed overrides", or nothing; for the plan
     Fill fill = Fill::exact;
     WireView wire = WireView::seeThrough;
     bool wirePerPolygon = false;          // each edge as often as polygons have it (section 2 of the notes); WireView::solid always does

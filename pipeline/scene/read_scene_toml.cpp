@@ -33,6 +33,7 @@ constexpr uint64_t kMaxCopiedTriangles = uint64_t(1) << 26;  // 5 GiB: more is a
 constexpr double kMaxShininess = 1e6;
 constexpr uint32_t kMaxImageSide = 65536;
 constexpr int64_t kMaxRayDepth = 64;     // counters of rays are kept a depth
+constexpr double kMostJitter = 0.5;      // of a unit vector: no disturbed one is near 0
 // Weights that add up to 1 in decimals may exceed it by a rounding of each.
 constexpr double kLargestWeightSum = 1 + 4 * 0x1p-53;
 
@@ -144,6 +145,7 @@ private:
 
     // Parts of the file.
     void readSettings(const toml::table& root);
+    void readRays(const toml::table& root);
     void readCamera(const toml::table& table);
     void readMaterial(const toml::table& table);
     void readWeights(const toml::table& table, Material& material) const;
@@ -387,6 +389,7 @@ void SceneFile::readSettings(const toml::table& root) {
                                             {"gouraud", Shading::gouraud}, {"phong", Shading::phong}, {"ray", Shading::ray}});
     if (const auto* node = root.get("max_depth")) scene_.maxDepth = uint32_t(integerOf(*node, "max_depth", 1, kMaxRayDepth));
     if (const auto* node = root.get("min_weight")) scene_.minWeight = numberOf(*node, "min_weight", 0, 1);
+    readRays(root);
     if (const auto* node = root.get("shadows")) scene_.shadows = booleanOf(*node, "shadows");
     if (const auto* node = root.get("fill")) scene_.fill = choiceOf<Fill>(*node, "fill", {{"exact", Fill::exact}, {"notes", Fill::notes}});
     if (const auto* node = root.get("wire"))
@@ -402,6 +405,28 @@ void SceneFile::readSettings(const toml::table& root) {
         if (size.size() != 2) refuse(*node, fmt::format("size has {} numbers, not 2", size.size()));
         scene_.size = {uint32_t(integerOf(size[0], "size[0]", 1, kMaxImageSide)),
                        uint32_t(integerOf(size[1], "size[1]", 1, kMaxImageSide))};
+    }
+}
+
+// Where rays pass through a pixel, their noise, and whole levels.
+void SceneFile::readRays(const toml::table& root) {
+    if (const auto* node = root.get("sampling"))
+        scene_.sampling = choiceOf<Sampling>(*node, "sampling",
+                                             {{"grid", Sampling::grid}, {"centre", Sampling::centre}, {"random", Sampling::random},
+                                              {"corners", Sampling::corners}, {"adaptive", Sampling::adaptive}, {"notes", Sampling::notes}});
+    if (const auto* node = root.get("jitter")) {
+        const toml::table& jitter = tableOf(*node, "jitter");
+        allowKeys(jitter, "jitter", {"reflect", "refract", "shadow"});
+        if (jitter.empty()) refuse(*node, "jitter holds nothing; write { reflect = X, refract = X, shadow = X }, each optional");
+        for (const auto& [key, amount] : {std::pair("reflect", &scene_.jitterReflect), std::pair("refract", &scene_.jitterRefract),
+                                          std::pair("shadow", &scene_.jitterShadow)})
+            if (const auto* value = jitter.get(key)) *amount = numberOf(*value, std::string("jitter.") + key, 0, kMostJitter);
+    }
+    if (const auto* node = root.get("seed")) scene_.seed = uint32_t(integerOf(*node, "seed", 0, 0xffffffff));
+    if (const auto* node = root.get("levels")) {
+        scene_.cutLevels = choiceOf<bool>(*node, "levels", {{"exact", false}, {"cut", true}});
+        if (*scene_.cutLevels && scene_.encoding != Encoding::linear)
+            refuse(*node, "levels = \"cut\" counts bytes as light: it goes with encoding = \"linear\"");
     }
 }
 
@@ -930,7 +955,7 @@ Scene SceneFile::read() {
         throw inputError(place(error.source()), "TOML: " + printable(error.description()));
     }
     allowKeys(root, "the scene", {"handedness", "up", "ambient", "background", "encoding", "shading", "fill", "wire", "edges", "viewer", "size", "cull",
-                                  "max_depth", "min_weight", "shadows", "sphere_heights", "z_buffer", "camera", "material", "light", "mesh", "object", "sphere", "plane"});
+                                  "max_depth", "min_weight", "sampling", "jitter", "seed", "levels", "shadows", "sphere_heights", "z_buffer", "camera", "material", "light", "mesh", "object", "sphere", "plane"});
     scene_.path = path_.string();
     scene_.sha256 = sha256Hex(std::as_bytes(std::span(text)));
     scene_.materials.push_back(Material{});

@@ -13,6 +13,19 @@ enum class Shading { wire, unlit, flat, gouraud, phong, ray };
 enum class Fill { exact, notes };  // 8 sub-pixel bits and the top-left rule, or the polygon fill of the lecture notes
 enum class WireView { seeThrough, culled, solid };  // every edge; of polygons that face the viewer; hidden lines removed
 enum class Encoding { srgb, linear };
+// Where rays pass through a pixel (docs/rays.md).
+enum class Sampling {
+    grid,                             // the middle of each sample's square
+    centre,                           // every sample through the pixel's middle
+    random,                           // anywhere in the sample's square
+    corners,                          // the pixel's corners, each ray shared by up to four pixels; samples 1
+    adaptive,                         // corners; where they differ, the 16 samples of the grid instead; samples 1
+    notes,                            // each sample's lower right corner, where the notes' C program looks
+};
+inline const char* nameOf(Sampling sampling) {
+    constexpr const char* kNames[] = {"grid", "centre", "random", "corners", "adaptive", "notes"};
+    return kNames[size_t(sampling)];
+}
 enum class Attenuation { none, inverse, inverseSquare };
 
 struct Object {
@@ -71,6 +84,10 @@ struct Scene {
     uint32_t maxDepth = 5;            // rays one after another (--shading ray)
     double minWeight = 0;             // a ray that weighs less is not followed
     bool shadows = true;              // feelers are sent to the lights
+    std::optional<Sampling> sampling;     // of rays; the command line overrides these, too
+    std::optional<double> jitterReflect, jitterRefract, jitterShadow;  // noise, 0 to 1/2
+    std::optional<uint32_t> seed;
+    std::optional<bool> cutLevels;        // whole levels; the file states the linear encoding besides
     std::vector<Light> lights;
     glm::vec3 ambient{1.0f};          // Ia, linear RGB
     std::optional<Camera> camera;     // none: frame it (frameScene)

@@ -15,7 +15,6 @@ constexpr double kNothing = 0x1p-30;
 // A direction that is known no better, or no better for what its ray weighs, has its tree followed again.
 constexpr double kVagueDirection = 0x1p-10;
 constexpr double kVagueColour = 0x1p-20;
-constexpr uint32_t kMostRays = 1u << 15;  // of a sample; a tree with more is cut at a larger weight
 constexpr double kCoarserCut = 16;
 
 enum class Kind { none, sphere, plane, facet };
@@ -47,7 +46,7 @@ public:
         follow(ray);
     }
     bool doubtful() const { return doubtful_; }
-    bool tooMany() const { return rays_ > kMostRays; }
+    bool tooMany() const { return rays_ > limits_.mostRays; }
     uint64_t undecided() const { return undecided_; }
     const RaySeen& seen() const { return seen_; }
 

@@ -173,11 +173,20 @@ Placement placementOf(const RenderRequest& request) {
     return p;
 }
 
+// Glass among glass makes trees without end: a picture has so many rays, whatever it is of.
+constexpr double kMostRaysOfPicture = 0x1p29;
+truth::RayLimits limitsOf(const RenderRequest& request, const Placement& placement) {
+    truth::RayLimits limits;
+    const double trees = double(request.width) * request.height * double(placement.at.size());
+    limits.mostRays = uint32_t(std::clamp(kMostRaysOfPicture / trees, 64.0, double(limits.mostRays)));
+    return limits;
+}
+
 // One band of a traced picture.
 class RayBand {
 public:
     RayBand(const truth::RayWorld& world, const Pinhole& pinhole, const RenderRequest& request, const Placement& placement, Truth& out)
-        : request_(request), pinhole_(pinhole), placement_(placement), rays_(world, pinhole, glm::dvec3(request.background)), out_(out) {}
+        : request_(request), pinhole_(pinhole), placement_(placement), rays_(world, pinhole, glm::dvec3(request.background), limitsOf(request, placement)), out_(out) {}
 
     void draw(uint32_t firstRow, uint32_t rows) {
         for (uint32_t y = firstRow; y < firstRow + rows; ++y)
@@ -249,7 +258,8 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
     out.depth.assign(pixels, INFINITY);
     out.object.assign(pixels, kNone);
     out.primitive.assign(pixels, kNone);
-    if (request.shading == Shading::ray) {
+    out.traced = request.shading == Shading::ray;
+    if (out.traced) {
         const Pinhole pinhole(*scene.camera, out.width, out.height, 1);
         const Placement placement = placementOf(request);
         out.samples = uint32_t(placement.at.size());

@@ -10,6 +10,7 @@ namespace plumb {
 
 struct Truth {
     uint32_t width = 0, height = 0, samples = 1;
+    bool traced = false;  // of rays
     // Conventions of docs/outputs.md. Linear colour is the mean of the samples (with a transparent background: of those covered), not clamped.
     std::vector<double> linear;  // 3 a pixel
     std::vector<double> alpha;   // share of the samples that is covered
@@ -26,7 +27,7 @@ struct Truth {
 // (x, y) of the screen, and the truth's samples lie around it; 0: as many as the truth's)
 // and onProgress (called by one thread; false cancels: Error(interrupted)). Its shading
 // changes nothing, since the truth is Phong's. A wire frame has no truth here: Error(usage).
-// Shading::ray has a truth of its own (rays.h): 64 rays deep and to a weight of 2^-20 whatever the request's depth and cutoff, colours without noise and without cutting
+// Shading::ray has a truth of its own (rays.h): 64 rays deep and to a weight of 2^-20 (more in a tree of thousands: leftOut) whatever the request's depth and cutoff, colours without noise and without cutting
 // to levels. Of its rays it takes where they pass through a pixel: grid (also for random places and for adaptive, whose finest is 16), the pixel's middle, its four corners
 // (their mean), or the notes' corner. Several samples are then those of RayChoices, and the planes hold the sample that the picture's planes hold.
 Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples = 0);

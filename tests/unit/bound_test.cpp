@@ -4,7 +4,7 @@
 #include "host/error.h"
 #include "pipeline/render/rounding.h"
 #include "pipeline/truth/frame_error.h"
-#include "tests/support/scenes.h"
+#include "tests/support/ray_scenes.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -130,6 +130,69 @@ TEST(BoundOfTrade, FollowsTheDistanceOfALight) {
     const double farther = boundOfTrade(scene, request).linear.x;
     EXPECT_GT(far, 3 * farther);
     EXPECT_LT(far, 5 * farther);
+}
+
+TEST(BoundOfDepth, HoldsInPicturesAndIsReached) {
+    double reachedDepth = 0, reachedCutoff = 0;
+    for (const auto& [name, scene] : {std::pair("mirrors", test::mirrors()), std::pair("glass", test::glass()), std::pair("meshes", test::meshesAmongMirrors())}) {
+        RenderRequest base = requestOf(Shading::ray);
+        base.planes = kPlaneColour | kPlaneLinear;
+        base.background = *scene.background;
+        base.maxDepth = 6;
+        const Frame plain = renderCpu(scene, base).frame;
+        const auto judge = [&](const RenderRequest& request, double& reached) {
+            const ColourBound bound = boundOfDepth(scene, base, request);
+            ASSERT_TRUE(bound.proved) << name << ": " << bound.why;
+            EXPECT_EQ(bound.steps, 0);
+            const glm::dvec3 off = apart(plain, renderCpu(scene, request).frame);
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_LE(off[c], bound.linear[c]) << name;
+                reached = std::max(reached, off[c] / bound.linear[c]);
+            }
+        };
+        for (const uint32_t depth : {1u, 2u, 4u, 9u}) {
+            RenderRequest request = base;
+            request.maxDepth = depth;
+            judge(request, reachedDepth);
+        }
+        for (const float least : {0.5f, 0.3f, 0.05f, 0.01f, 0.001f}) {
+            RenderRequest request = base;
+            request.minWeight = least;
+            judge(request, reachedCutoff);
+        }
+    }
+    fmt::print("depth reaches {:.3f} of its bound, cutoff {:.3f}\n", reachedDepth, reachedCutoff);
+    EXPECT_GT(reachedDepth, 0.1);
+    EXPECT_GT(reachedCutoff, 0.1);
+}
+
+// One mirror of 0.7 facing another: a path has one child, and what is cut weighs less than the cutoff.
+TEST(BoundOfDepth, OfPathsIsTheCutoffTimesTheBrightest) {
+    const Scene scene = test::mirrors();
+    RenderRequest base = requestOf(Shading::ray);
+    base.background = *scene.background;
+    base.maxDepth = 64;
+    RenderRequest request = base;
+    request.minWeight = 0.01f;
+    const ColourBound bound = boundOfDepth(scene, base, request);
+    // The heaviest weight below 0.01 of 0.3^a 0.7^b is within 0.7 of it.
+    double heaviest = 0;
+    for (int a = 0; a < 64; ++a)
+        for (int b = 0; b < 64; ++b)
+            if (const double w = std::pow(double(0.3f), a) * std::pow(double(0.7f), b); w < 0.01) heaviest = std::max(heaviest, w);
+    // 0.8 of ambient and diffuse, 0.5 of specular, ambient light 0.3 and lamps of 1: white squares are the brightest.
+    const double brightest = 0.8 * 0.3 + 1.0 * (0.8 + 0.5);
+    EXPECT_NEAR(bound.linear.x, heaviest * brightest, 0x1p-10);
+    request.minWeight = base.minWeight;
+    request.maxDepth = 3;
+    EXPECT_NEAR(boundOfDepth(scene, base, request).linear.x, 0.7 * 0.7 * 0.7 * brightest, 0x1p-10);
+    Scene fading = scene;
+    fading.lights[0].attenuation = Attenuation::inverseSquare;
+    EXPECT_TRUE(boundOfDepth(fading, base, request).proved);
+    fading.lights[0].position = fading.spheres[0].centre + glm::dvec3(fading.spheres[0].radius, 0, 0);
+    EXPECT_FALSE(boundOfDepth(fading, base, request).proved) << "a light on a sphere";
+    request.rays.cutLevels = true;
+    EXPECT_FALSE(boundOfDepth(scene, base, request).proved);
 }
 
 TEST(Rounding, IsWhatFloat32CostsByItself) {

@@ -3,7 +3,7 @@
 #include "pipeline/measure/measure.h"
 #include "host/error.h"
 #include "pipeline/measure/pareto.h"
-#include "tests/support/scenes.h"
+#include "tests/support/ray_scenes.h"
 
 #include <gtest/gtest.h>
 #include <cmath>
@@ -52,7 +52,7 @@ TEST(Axes, HaveDistinctNamesAndReasons) {
         }
     }
     for (const char* name : {"shading", "fill", "interpolation", "specular", "normals", "light-vector", "transform",
-                             "depth", "encode", "samples", "trace", "rate", "subpixel"})
+                             "depth", "encode", "samples", "trace-depth", "trace-cutoff", "rate", "subpixel"})
         EXPECT_NO_THROW(axisOf(name)) << "the product names this axis";
     try {
         axisOf("shadings");
@@ -80,6 +80,71 @@ MeasurePlan planOf(std::vector<std::string>* log) {
 }
 
 Scene suzanne() { return test::committed(std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes/suzanne.toml", {96, 64}); }
+
+TEST(Measure, OfRaysHasDepthAndCutoffWithTheirBounds) {
+    Scene scene = test::mirrors();
+    scene.cullBackFaces = true;
+    MeasurePlan plan = planOf(nullptr);
+    plan.repetitions = 2;
+    plan.base.request.shading = Shading::ray;
+    plan.base.request.background = *scene.background;
+    plan.base.request.minWeight = 1.0f / 1024;
+    const Measurement m = measure(scene, plan);
+    EXPECT_TRUE(m.truth.traced);
+    std::set<std::string> drawn, bounded;
+    std::map<std::string, double> rms, rays;
+    for (const Row& row : m.rows) {
+        const std::string name = std::string(row.axis->name) + " " + row.choice->name;
+        if (!row.run) {
+            EXPECT_FALSE(row.why.empty()) << name;
+            if (row.axis->scope == Scope::raster) {
+                EXPECT_EQ(row.why.find("not applicable"), 0u) << name << ": " << row.why;
+            }
+            continue;
+        }
+        drawn.insert(name);
+        const MeasuredRun& run = m.runs[*row.run];
+        ASSERT_TRUE(run.error) << name;
+        rms[name] = run.alike->unrounded.rms;
+        for (const RenderCounters::RayCounts& depth : run.rays) rays[name] += double(depth.primary + depth.reflected + depth.refracted);
+        if (!run.bound) continue;
+        bounded.insert(name);
+        EXPECT_LE(run.error->picture.max, run.bound->max) << name;
+        EXPECT_LE(run.error->picture.p99, run.bound->p99) << name;
+        EXPECT_LE(run.error->picture.mean, run.bound->mean) << name;
+        EXPECT_LE(run.error->picture.rms, run.bound->rms) << name;
+    }
+    EXPECT_EQ(bounded, (std::set<std::string>{"trace-depth 1", "trace-depth 2", "trace-depth 3", "trace-depth 10", "trace-cutoff 0", "trace-cutoff 1/256",
+                                              "trace-cutoff 1/100", "trace-cutoff 1/10"}))
+        << "the depth of 5 is the stated one";
+    for (const char* name : {"shading ray", "samples 4", "ray-sampling corners", "ray-sampling adaptive", "ray-sampling random", "encoding linear", "threads 2"})
+        EXPECT_TRUE(drawn.count(name)) << name;
+    EXPECT_FALSE(drawn.count("shading phong")) << "spheres and planes";
+    // Claims P5 and P12: fewer rays, more error.
+    EXPECT_GT(rms["trace-depth 1"], 2 * rms["trace-depth 2"]);
+    EXPECT_GT(rms["trace-depth 2"], rms["trace-depth 3"]);
+    EXPECT_GT(rays["trace-depth 3"], rays["trace-depth 2"]);
+    EXPECT_EQ(rays["trace-depth 1"], 96 * 64);
+    EXPECT_GT(rays["trace-cutoff 0"], rays["trace-cutoff 1/10"]);
+    EXPECT_LE(rms["trace-cutoff 0"], rms["trace-cutoff 1/10"]);
+}
+
+TEST(Measure, OfARasterPictureSaysWhyNothingIsTraced) {
+    MeasurePlan plan = planOf(nullptr);
+    plan.axes = {&axisOf("trace-depth"), &axisOf("trace-cutoff"), &axisOf("ray-sampling"), &axisOf("shading")};
+    plan.repetitions = 2;
+    const Measurement m = measure(suzanne(), plan);
+    size_t absent = 0;
+    for (const Row& row : m.rows) {
+        const bool rays = row.axis->scope == Scope::rays || std::string(row.choice->name) == "ray";
+        EXPECT_EQ(!row.run, rays) << row.axis->name << ' ' << row.choice->name;
+        absent += rays;
+        if (rays) {
+            EXPECT_NE(row.why.find("measure with --shading ray"), std::string::npos) << row.why;
+        }
+    }
+    EXPECT_EQ(absent, 6u + 5u + 4u + 1u);
+}
 
 TEST(Measure, TimesAllInTurnAndComparesEachWithTheTruth) {
     std::vector<std::string> log;

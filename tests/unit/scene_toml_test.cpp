@@ -433,6 +433,20 @@ std::vector<BadScene> badScenes() {
         {"max_depth = @0", "max_depth is 0, outside 1 to 64"},
         {"min_weight = @2", "min_weight is 2"},
         {"shadows = @1", "shadows is an integer"},
+        {"sampling = @'corner'", "sampling is 'corner'; did you mean 'corners'?"},
+        {"sampling = @4", "sampling is an integer, not a string"},
+        {"jitter = @0.1", "jitter is a number, not a table"},
+        {"jitter = @{}", "jitter holds nothing"},
+        {"jitter = { @mirror = 0.1 }", "unknown key 'mirror' in jitter"},
+        {"jitter = { reflect = @0.6 }", "jitter.reflect is 0.6, outside 0 to 0.5"},
+        {"jitter = { refract = @-0.1 }", "jitter.refract is -0.1"},
+        {"jitter = { shadow = @nan }", "jitter.shadow is NaN"},
+        {"seed = @-1", "seed is -1, outside 0 to 4294967295"},
+        {"seed = @4294967296", "seed is 4294967296"},
+        {"seed = @1.5", "seed is a number, not an integer"},
+        {"levels = @'whole'", "levels is 'whole'"},
+        {"levels = @'cut'", "it goes with encoding = \"linear\""},
+        {"encoding = 'srgb'\nlevels = @'cut'", "it goes with encoding"},
         {material + "density = @0", "material.density is 0"},
         {material + "density = @-1.5", "material.density is -1.5"},
         {material + "ior = 2\ndensity = @1.5", "two names of one number"},
@@ -632,10 +646,25 @@ TEST(SceneToml, EveryKeyHasAnExample) {
                             "near", "name", "diffuse", "specular", "emission", "shininess", "opacity", "ior", "type", "direction", "position",
                             "intensity", "attenuation", "file", "vertices", "faces", "material", "face_materials", "crease", "mesh",
                             "transform", "parent", "translate", "rotate_x", "rotate_y", "rotate_z", "rotate", "axis", "degrees", "through",
-                            "scale", "matrix", "about", "max_depth", "min_weight", "shadows", "density", "reflect", "transmit", "local", "centre",
+                            "scale", "matrix", "about", "max_depth", "min_weight", "sampling", "jitter", "seed", "levels", "shadows", "density", "reflect", "transmit", "local", "centre",
                             "radius", "point", "normal", "u", "u_range", "v_range", "two_sided", "square", "mirrored", "board"})
         EXPECT_TRUE(all.find(fmt::format("\n{} =", key)) != all.npos || all.find(fmt::format(" {} =", key)) != all.npos) << key;
     EXPECT_NE(all.find("[[object.child]]"), all.npos);
+}
+
+TEST(SceneToml, ChoicesOfRaysAreKept) {
+    TemporaryFolder folder;
+    folder.write("s.toml", "encoding = 'linear'\nsampling = 'adaptive'\njitter = { reflect = 0.25, shadow = 0.5 }\nseed = 4294967295\nlevels = 'cut'\n[[sphere]]\ncentre = [0,0,0]\nradius = 1\n");
+    const Scene s = readSceneToml(folder.path() / "s.toml", {});
+    EXPECT_EQ(s.sampling, Sampling::adaptive);
+    EXPECT_EQ(s.jitterReflect, 0.25);
+    EXPECT_FALSE(s.jitterRefract);
+    EXPECT_EQ(s.jitterShadow, 0.5);
+    EXPECT_EQ(s.seed, 0xffffffffu);
+    EXPECT_EQ(s.cutLevels, true);
+    folder.write("t.toml", "[[sphere]]\ncentre = [0,0,0]\nradius = 1\n");
+    const Scene t = readSceneToml(folder.path() / "t.toml", {});
+    EXPECT_FALSE(t.sampling || t.jitterReflect || t.jitterRefract || t.jitterShadow || t.seed || t.cutLevels);
 }
 
 TEST(SceneToml, EveryCommittedSceneLoads) {
