@@ -34,8 +34,15 @@ public:
     static constexpr double kUnit = kUnitOf<Real>;
     static constexpr bool kLast = std::is_same_v<Real, Quad>;  // nothing more exact follows: what is open is counted
 
-    Tracer(const RayWorld& world, const glm::dvec3& sky, const RayLimits& limits, double brightest, double farthest, double leastWeight)
-        : world_(world), scene_(world.scene()), sky_(sky), limits_(limits), brightest_(brightest), farthest_(farthest), leastWeight_(leastWeight) {}
+    Tracer(const RayWorld& world, const glm::dvec3& sky, const RayLimits& limits, double brightest, double farthest,
+           double leastWeight)
+        : world_(world),
+          scene_(world.scene()),
+          sky_(sky),
+          limits_(limits),
+          brightest_(brightest),
+          farthest_(farthest),
+          leastWeight_(leastWeight) {}
 
     void look(const Pinhole& p, double x, double y) {
         Ray ray;
@@ -53,7 +60,7 @@ public:
 private:
     struct Ray {
         V origin, direction;
-        V pointing;       // of the ray from the eye: as the screen has it, times 1 / length its direction; planes are met without that rounding, so that
+        V pointing;  // of the ray from the eye: as the screen has it, times 1 / length its direction; planes are met without that rounding, so that
         Real length = 0;  // exact ties stay so. 0: another ray
         double originError = 0, directionError = 0;
         double weight = 1;
@@ -66,10 +73,11 @@ private:
         Kind kind = Kind::none;
         uint32_t index = 0;
         Real t = 0;
-        double error = 0;     // of t
-        bool counts = false, sure = true, leaves = false;  // as far as the value goes; whether the bound leaves nothing open; out of a sphere
-        bool other = false;                                // a board's other material
-        Real share[3] = {};                                // facet: of the corners
+        double error = 0;  // of t
+        bool counts = false, sure = true,
+             leaves = false;  // as far as the value goes; whether the bound leaves nothing open; out of a sphere
+        bool other = false;   // a board's other material
+        Real share[3] = {};   // facet: of the corners
         double shareError = 0;
         double low() const { return double(t) - error; }
         double high() const { return double(t) + error; }
@@ -106,7 +114,8 @@ private:
             return h;
         }
         const V l = f + r.direction * k;
-        const double missError = placeError + 2 * far * (r.directionError + 4 * u) + 4 * u * s.radius, edge = s.radius + missError;
+        const double missError = placeError + 2 * far * (r.directionError + 4 * u) + 4 * u * s.radius,
+                     edge = s.radius + missError;
         const Real missSquared = along(l, l);
         if (double(missSquared) > edge * edge * (1 + 16 * u)) return h;  // missed, and the origin is outside
         const Real gap = lengthOf(f) - Real(s.radius), miss = rootOf(missSquared), slack = Real(s.radius) - miss;
@@ -136,7 +145,8 @@ private:
         const Real slope = along(n, r.direction);
         const double slopeError = r.directionError + 8 * u;
         const Real height = along(n, point - r.origin);
-        const double size = sizeOf(point) + sizeOf(r.origin), heightError = r.originError + 8 * u * (size + glm::length(p.point));
+        const double size = sizeOf(point) + sizeOf(r.origin),
+                     heightError = r.originError + 8 * u * (size + glm::length(p.point));
         if (std::abs(double(slope)) <= slopeError) {
             // Parallel as far as is known: not met, or no nearer than this.
             const double least = std::max(0.0, std::abs(double(height)) - heightError) / (2 * slopeError);
@@ -161,7 +171,8 @@ private:
         h.counts = h.t > 0;
         h.sure = double(h.t) > h.error;
         const V q = r.origin + way - point;
-        const double qError = r.originError + std::abs(double(h.t)) * r.directionError + h.error + 8 * u * (size + std::abs(double(h.t)));
+        const double qError =
+            r.originError + std::abs(double(h.t)) * r.directionError + h.error + 8 * u * (size + std::abs(double(h.t)));
         const Real a = along(q, V(p.u)), b = along(q, V(p.v));
         const auto bounded = [&](const Real& x, double least, double most) {
             if (double(x) < least - qError || double(x) > most + qError) return false;
@@ -182,10 +193,13 @@ private:
     bool otherSquare(const PlaneShape& p, const Real& u, const Real& v, double error, bool& sure) const {
         const bool matters = p.material != p.otherMaterial;
         const auto odd = [&](const Real& x, bool mirrored) {
-            const Real size = x < 0 ? -x : x, squares = size / Real(p.square), pairs = floorOf(squares / 2), rest = squares - 2 * pairs;
+            const Real size = x < 0 ? -x : x, squares = size / Real(p.square), pairs = floorOf(squares / 2),
+                       rest = squares - 2 * pairs;
             const double place = double(rest), near = error / p.square + 4 * kUnit * double(squares);
             const bool atZero = place <= near && pairs == 0;
-            if (matters && ((place <= near && !(atZero && mirrored)) || std::abs(place - 1) <= near || 2 - place <= near)) sure = false;
+            if (matters &&
+                ((place <= near && !(atZero && mirrored)) || std::abs(place - 1) <= near || 2 - place <= near))
+                sure = false;
             return rest > 1;
         };
         bool other = u < 0;
@@ -205,14 +219,16 @@ private:
     struct Volumes {
         Vec3<Number> first;  // corner, from the origin
         Number of[3];
-        double error = 0;    // of each
-        double size = 0;     // no corner is farther from the origin
+        double error = 0;  // of each
+        double size = 0;   // no corner is farther from the origin
     };
     template <class Number>
-    static Volumes<Number> volumesOf(const Facet<Number>& f, const Vec3<Number>& o, const Vec3<Number>& d, double originError, double directionError) {
-        const Vec3<Number> a = f.corner[0] - o, b = f.corner[1] - o, c = f.corner[2] - o, ab = f.corner[1] - f.corner[0], bc = f.corner[2] - f.corner[1],
+    static Volumes<Number> volumesOf(const Facet<Number>& f, const Vec3<Number>& o, const Vec3<Number>& d,
+                                     double originError, double directionError) {
+        const Vec3<Number> a = f.corner[0] - o, b = f.corner[1] - o, c = f.corner[2] - o,
+                           ab = f.corner[1] - f.corner[0], bc = f.corner[2] - f.corner[1],
                            ca = f.corner[0] - f.corner[2];
-        constexpr double u = kUnitOf<Number>;
+        constexpr double kOwnUnit = kUnitOf<Number>;
         Volumes<Number> v;
         v.first = a;
         v.of[0] = along(d, across(b, bc));
@@ -223,7 +239,8 @@ private:
         // d moves b x (c - b) by no more than |b| |c - b|; an origin that moves, moves it by itself times |c - b|; a corner by its error times the distance from
         // the other to the ray's line.
         const double aside = sizeOf(across(a, d)) + edge + v.size * directionError;
-        v.error = v.size * edge * (directionError + 16 * u) + originError * edge + 2 * (f.cornerError + 4 * u * (v.size + sizeOf(o))) * aside;
+        v.error = v.size * edge * (directionError + 16 * kOwnUnit) + originError * edge +
+                  2 * (f.cornerError + 4 * kOwnUnit * (v.size + sizeOf(o))) * aside;
         return v;
     }
     template <class Number>
@@ -239,7 +256,9 @@ private:
         if constexpr (!std::is_same_v<Real, double>) {
             // What binary64 finds clearly missed, with the ray rounded to it, need not be made again.
             const Vec3<double> o(rounded(r.origin)), d(rounded(r.direction));
-            if (clearlyMissed(volumesOf(world_.facet(i), o, d, r.originError + 0x1p-52 * sizeOf(o), r.directionError + 0x1p-51))) return h;
+            if (clearlyMissed(
+                    volumesOf(world_.facet(i), o, d, r.originError + 0x1p-52 * sizeOf(o), r.directionError + 0x1p-51)))
+                return h;
         }
         const auto& f = facetOf(i);
         const V& d = r.direction;
@@ -253,7 +272,8 @@ private:
         const double u = kUnit;
         const Real slope = along(f.normal, d), height = along(f.normal, v.first);
         const double slopeError = r.directionError + f.normalError + 8 * u;
-        const double heightError = r.originError + f.cornerError + 4 * u * sizeOf(r.origin) + v.size * (f.normalError + 8 * u);
+        const double heightError =
+            r.originError + f.cornerError + 4 * u * sizeOf(r.origin) + v.size * (f.normalError + 8 * u);
         if (std::abs(double(slope)) <= slopeError) {  // seen from its edge
             h.sure = false;
             h.error = kInfinity;
@@ -292,24 +312,27 @@ private:
         for (uint32_t i = 0; i < scene_.planes.size(); ++i) offer(hitPlane(i, r));
         if (world_.facets() != 0) {
             const glm::dvec3 o = rounded(r.origin), d = rounded(r.direction);
-            world_.eachNear(o, d, padOf(r, o), [&] { return best.kind == Kind::none ? kInfinity : best.high(); },
-                            [&](uint32_t i) {
-                                const Hit h = hitFacet(i, r);
-                                // In whatever order the tree brings them, of two equal the lower.
-                                if (h.counts && best.kind == Kind::facet && h.t == best.t && i < best.index) {
-                                    rival = std::min(rival, best.low());
-                                    best = h;
-                                } else {
-                                    offer(h);
-                                }
-                            });
+            world_.eachNear(
+                o, d, padOf(r, o), [&] { return best.kind == Kind::none ? kInfinity : best.high(); },
+                [&](uint32_t i) {
+                    const Hit h = hitFacet(i, r);
+                    // In whatever order the tree brings them, of two equal the lower.
+                    if (h.counts && best.kind == Kind::facet && h.t == best.t && i < best.index) {
+                        rival = std::min(rival, best.low());
+                        best = h;
+                    } else {
+                        offer(h);
+                    }
+                });
         }
         if (best.kind != Kind::none && !best.sure) rival = -kInfinity;
-        if (rival <= (best.kind == Kind::none ? kInfinity : best.high()) && rival < kInfinity) doubt(r.weight * brightest_);
+        if (rival <= (best.kind == Kind::none ? kInfinity : best.high()) && rival < kInfinity)
+            doubt(r.weight * brightest_);
         return best;
     }
     double padOf(const Ray& r, const glm::dvec3& o) const {
-        return r.originError + (std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}) + world_.reach()) * (2 * r.directionError + 0x1p-46);
+        return r.originError + (std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}) + world_.reach()) *
+                                   (2 * r.directionError + 0x1p-46);
     }
 
     // Where, and which way the surface faces there.
@@ -329,7 +352,8 @@ private:
             const SphereShape& ball = scene_.spheres[h.index];
             const V out = s.place - centreOf(ball.centre);
             s.geometric = unitOf(out);
-            s.geometricError = (s.placeError + 4 * u * glm::length(ball.centre - scene_.camera->eye)) / ball.radius + 8 * u;
+            s.geometricError =
+                (s.placeError + 4 * u * glm::length(ball.centre - scene_.camera->eye)) / ball.radius + 8 * u;
             s.material = ball.material;
         } else if (h.kind == Kind::plane) {
             const PlaneShape& p = scene_.planes[h.index];
@@ -355,13 +379,16 @@ private:
         V n = f.smooth[0] * h.share[0] + f.smooth[1] * h.share[1] + f.smooth[2] * h.share[2];
         const double length = double(lengthOf(n));
         if (!(length > 0)) return;
-        const double spread = std::max({double(lengthOf(f.smooth[1] - f.smooth[0])), double(lengthOf(f.smooth[2] - f.smooth[0])), double(lengthOf(f.smooth[2] - f.smooth[1]))});
+        const double spread =
+            std::max({double(lengthOf(f.smooth[1] - f.smooth[0])), double(lengthOf(f.smooth[2] - f.smooth[0])),
+                      double(lengthOf(f.smooth[2] - f.smooth[1]))});
         n = unitOf(n);
         if (s.within) n = -n;
         const double error = 2 * h.shareError * spread / length + 16 * kUnit / length;
         const Real cosine = -along(r.direction, n), clear = along(r.direction + n * (2 * cosine), g);
         const double open = 4 * (r.directionError + error) + s.geometricError;
-        if ((std::abs(double(cosine)) <= open || std::abs(double(clear)) <= open) && double(lengthOf(n - g)) > kNothing) doubt(r.weight * brightest_);
+        if ((std::abs(double(cosine)) <= open || std::abs(double(clear)) <= open) && double(lengthOf(n - g)) > kNothing)
+            doubt(r.weight * brightest_);
         if (!(cosine > 0 && clear > 0)) return;
         s.normal = n;
         s.normalError = error;
@@ -388,20 +415,22 @@ private:
             if (world_.lightIsAlong(lamp, i)) continue;
             const Hit h = hitPlane(i, feeler);
             const PlaneShape& p = scene_.planes[i];
-            const double own = double(world_.shares(p.material).transmit), other = p.square > 0 ? double(world_.shares(p.otherMaterial).transmit) : own;
+            const double own = double(world_.shares(p.material).transmit),
+                         other = p.square > 0 ? double(world_.shares(p.otherMaterial).transmit) : own;
             Hit plain = h;
             if (own == other && p.square > 0 && !h.sure && h.counts) plain = withoutBoard(i, feeler);
             meet(plain, plain.other ? other : own);
         }
         if (share > 0 && world_.facets() != 0) {
             const glm::dvec3 o = rounded(feeler.origin), d = rounded(feeler.direction);
-            world_.eachNear(o, d, padOf(feeler, o), [&] { return share > 0 ? end + endError : -1.0; },
-                            [&](uint32_t i) {
-                                if (share == 0 || world_.lightLiesOn(lamp, i)) return;
-                                const double transmit = double(world_.shares(world_.materialOfFacet(i)).transmit);
-                                const Hit h = hitFacet(i, feeler);
-                                if (h.counts || !h.sure) meet(h, transmit == 0 || h.leaves ? transmit : 1);
-                            });
+            world_.eachNear(
+                o, d, padOf(feeler, o), [&] { return share > 0 ? end + endError : -1.0; },
+                [&](uint32_t i) {
+                    if (share == 0 || world_.lightLiesOn(lamp, i)) return;
+                    const double transmit = double(world_.shares(world_.materialOfFacet(i)).transmit);
+                    const Hit h = hitFacet(i, feeler);
+                    if (h.counts || !h.sure) meet(h, transmit == 0 || h.leaves ? transmit : 1);
+                });
         }
         if (open && share > 0) doubt(stake);
         return share;
@@ -411,9 +440,11 @@ private:
         Hit h = hitPlane(i, r);
         const PlaneShape& p = scene_.planes[i];
         const V q = r.origin + r.direction * h.t - centreOf(p.point);
-        const double error = r.originError + std::abs(double(h.t)) * r.directionError + h.error + 0x1p-40 * (1 + double(lengthOf(q)));
+        const double error =
+            r.originError + std::abs(double(h.t)) * r.directionError + h.error + 0x1p-40 * (1 + double(lengthOf(q)));
         const double a = double(along(q, V(p.u))), b = double(along(q, V(p.v)));
-        h.sure = double(h.t) > h.error && a > p.uMin + error && a < p.uMax - error && b > p.vMin + error && b < p.vMax - error;
+        h.sure = double(h.t) > h.error && a > p.uMin + error && a < p.uMax - error && b > p.vMin + error &&
+                 b < p.vMax - error;
         return h;
     }
 
@@ -431,19 +462,22 @@ private:
                 distance = double(length);
                 if (!(distance > 0)) continue;
                 l = l * (1 / length);
-                error = 2 * (s.placeError + 8 * kUnit * (distance + glm::length(light.position))) / distance + 8 * kUnit;
+                error =
+                    2 * (s.placeError + 8 * kUnit * (distance + glm::length(light.position))) / distance + 8 * kUnit;
                 if (light.attenuation == Attenuation::inverse) fade = 1 / distance;
                 if (light.attenuation == Attenuation::inverseSquare) fade = 1 / (distance * distance);
             } else {
                 l = unitOf(V(light.direction));
             }
             const Real cosine = along(s.normal, l), above = along(s.geometric, l);
-            const double cosineOpen = s.normalError + error + 8 * kUnit, aboveOpen = s.geometricError + error + 8 * kUnit;
+            const double cosineOpen = s.normalError + error + 8 * kUnit,
+                         aboveOpen = s.geometricError + error + 8 * kUnit;
             if (double(cosine) < -cosineOpen || double(above) < -aboveOpen) continue;
             const glm::dvec3 toward = rounded(l);
             const double nl = std::max(0.0, double(cosine)), reflected = glm::dot(2 * nl * n - toward, v);
             const double shine = m.shininess == 0 ? 1 : reflected > 0 ? std::pow(reflected, double(m.shininess)) : 0;
-            const glm::dvec3 added = fade * glm::dvec3(light.intensity) * (glm::dvec3(m.diffuse) * nl + glm::dvec3(m.specular) * shine);
+            const glm::dvec3 added =
+                fade * glm::dvec3(light.intensity) * (glm::dvec3(m.diffuse) * nl + glm::dvec3(m.specular) * shine);
             const double stake = weight * largest(added);
             if (double(cosine) <= cosineOpen || double(above) <= aboveOpen) doubt(stake);
             if (!(cosine > 0 && above > 0)) continue;
@@ -458,7 +492,10 @@ private:
                 feeler.kind = h.kind;
                 feeler.index = h.index;
                 feeler.inside = s.within;
-                share = passed(feeler, distance, light.directional ? 0 : s.placeError + 8 * kUnit * (distance + glm::length(light.position)), i, stake);
+                share =
+                    passed(feeler, distance,
+                           light.directional ? 0 : s.placeError + 8 * kUnit * (distance + glm::length(light.position)),
+                           i, stake);
             }
             colour += share * added;
         }
@@ -477,7 +514,8 @@ private:
         if (stops()) return;
         if (r.depth == 1) note(h);
         const RayShares shares = world_.shares(s.material);
-        if (shares.local > 0) seen_.colour += r.weight * double(shares.local) * localOf(r, h, s, r.weight * double(shares.local));
+        if (shares.local > 0)
+            seen_.colour += r.weight * double(shares.local) * localOf(r, h, s, r.weight * double(shares.local));
         if (stops()) return;
         sendOn(r, h, s, shares);
     }
@@ -503,7 +541,8 @@ private:
         const Real square = index == 1 ? cosine * cosine : 1 - ratio * ratio * (1 - cosine * cosine);
         bool total = false;
         if (shares.transmit > 0 && index != 1) {
-            const double open = bend * bend * (2 * std::abs(double(cosine)) * cosineError + cosineError * cosineError) + 8 * u * (1 + bend * bend);
+            const double open = bend * bend * (2 * std::abs(double(cosine)) * cosineError + cosineError * cosineError) +
+                                8 * u * (1 + bend * bend);
             if (std::abs(double(square)) <= open) doubt(r.weight * double(shares.transmit) * brightest_);
             total = square <= 0;
         }
@@ -527,9 +566,11 @@ private:
             child.directionError = r.directionError;
         } else {
             const Real root = rootOf(square);
-            const double steep = double(root) > 0 ? bend * bend * std::abs(double(cosine)) * cosineError / double(root) : 1;
+            const double steep =
+                double(root) > 0 ? bend * bend * std::abs(double(cosine)) * cosineError / double(root) : 1;
             child.direction = unitOf(r.direction * ratio + s.normal * (ratio * cosine - root));
-            child.directionError = bend * r.directionError + (bend + 1) * s.normalError + bend * cosineError + steep + 16 * u * (1 + bend);
+            child.directionError =
+                bend * r.directionError + (bend + 1) * s.normalError + bend * cosineError + steep + 16 * u * (1 + bend);
         }
         send(child);
     }
@@ -539,7 +580,8 @@ private:
             seen_.leftOut += child.weight;
             return;
         }
-        if (child.directionError > kVagueDirection || child.directionError * child.weight * brightest_ > kVagueColour) doubt(child.weight * brightest_);
+        if (child.directionError > kVagueDirection || child.directionError * child.weight * brightest_ > kVagueColour)
+            doubt(child.weight * brightest_);
         if (stops()) return;
         if (child.directionError > kVagueDirection) {  // counted; from here on the ray is taken as it is
             Ray known = child;
@@ -566,7 +608,12 @@ private:
 }  // namespace
 
 RayTruth::RayTruth(const RayWorld& world, const Pinhole& pinhole, const glm::dvec3& sky, const RayLimits& limits)
-    : world_(world), pinhole_(pinhole), sky_(sky), limits_(limits), brightest_(world.brightness(sky)), farthest_(std::ldexp(pinhole.near, 60)) {}
+    : world_(world),
+      pinhole_(pinhole),
+      sky_(sky),
+      limits_(limits),
+      brightest_(world.brightness(sky)),
+      farthest_(std::ldexp(pinhole.near, 60)) {}
 
 RaySeen RayTruth::look(double x, double y) {
     for (double least = limits_.leastWeight;; least *= kCoarserCut) {

@@ -12,9 +12,10 @@
 namespace plumb::truth {
 
 struct RayLimits {
-    uint32_t maxDepth = 64;        // rays one after another
-    double leastWeight = 0x1p-20;  // a ray that weighs less is not followed: its colour cannot be seen, 0.003 steps at most where sRGB is steepest
-    uint32_t mostRays = 4096;      // of a tree; one with more is cut at 16 times the weight, and again
+    uint32_t maxDepth = 64;  // rays one after another
+    double leastWeight =
+        0x1p-20;  // a ray that weighs less is not followed: its colour cannot be seen, 0.003 steps at most where sRGB is steepest
+    uint32_t mostRays = 4096;  // of a tree; one with more is cut at 16 times the weight, and again
 };
 
 struct RaySeen {

@@ -155,7 +155,8 @@ Placement placementOf(const RenderRequest& request) {
         case Sampling::random:
             break;
         case Sampling::adaptive:
-            for (int k = 0; k < 16; ++k) p.at.emplace_back((k % 4 + 0.5) / 4, (k / 4 + 0.5) / 4);
+            for (int j = 0; j < 4; ++j)
+                for (int i = 0; i < 4; ++i) p.at.emplace_back((i + 0.5) / 4, (j + 0.5) / 4);
             return p;
         case Sampling::centre:
             p.at = {{0.5, 0.5}};
@@ -168,7 +169,8 @@ Placement placementOf(const RenderRequest& request) {
             inSquare = 1;
             break;
     }
-    for (uint32_t k = 0; k < side * side; ++k) p.at.emplace_back((k % side + inSquare) / side, (k / side + inSquare) / side);
+    for (uint32_t j = 0; j < side; ++j)
+        for (uint32_t i = 0; i < side; ++i) p.at.emplace_back((i + inSquare) / side, (j + inSquare) / side);
     p.anchor = p.at[size_t(side / 2) * side + side / 2];
     return p;
 }

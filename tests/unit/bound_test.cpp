@@ -134,7 +134,9 @@ TEST(BoundOfTrade, FollowsTheDistanceOfALight) {
 
 TEST(BoundOfDepth, HoldsInPicturesAndIsReached) {
     double reachedDepth = 0, reachedCutoff = 0;
-    for (const auto& [name, scene] : {std::pair("mirrors", test::mirrors()), std::pair("glass", test::glass()), std::pair("meshes", test::meshesAmongMirrors())}) {
+    for (const auto& row : {std::pair("mirrors", test::mirrors()), std::pair("glass", test::glass()), std::pair("meshes", test::meshesAmongMirrors())}) {
+        const char* name = row.first;
+        const Scene& scene = row.second;
         RenderRequest base = requestOf(Shading::ray);
         base.planes = kPlaneColour | kPlaneLinear;
         base.background = *scene.background;
