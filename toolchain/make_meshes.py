@@ -146,6 +146,42 @@ def slivers(blades):
     return mesh
 
 
+class Chance:
+    """A congruential generator of our own, so that the files are the same everywhere."""
+    def __init__(self, seed):
+        self.state = seed
+
+    def __call__(self, low, high):
+        self.state = (self.state * 6364136223846793005 + 1442695040888963407) % 2**64
+        return low + (high - low) * (self.state >> 11) / 2**53
+
+
+def canopy(leaves):
+    """Leaves above a clearing, -4 to 4 each way and 3 to 3.6 up: quadrilaterals about half a unit long."""
+    mesh, chance = Mesh(), Chance(7)
+    for _ in range(leaves):
+        x, y, z, angle, long, wide = chance(-4.5, 4.5), chance(3, 3.6), chance(-4.5, 4.5), chance(0, 6.28), chance(0.3, 0.6), chance(0.15, 0.3)
+        c, s = math.cos(angle), math.sin(angle)
+        mesh.face(*(mesh.vertex(x + a * c - b * s, y + 0.2 * a, z + a * s + b * c) for a, b in ((-long, 0), (0, wide), (long, 0), (0, -wide))))
+    return mesh
+
+
+def dapples(side, spots):
+    """The clearing's ground as squares, light ones and dark ones: spots thrown at random. No tree is asked."""
+    chance, discs = Chance(11), []
+    for _ in range(spots):
+        discs.append((chance(-4.2, 4.2), chance(-4.2, 4.2), chance(0.2, 0.5)))
+    light, dark = Mesh(), Mesh()
+    for i in range(side):
+        for j in range(side):
+            x, z, size = -4 + 8 * i / side, -4 + 8 * j / side, 8 / side
+            centre = (x + size / 2, z + size / 2)
+            shaded = any((centre[0] - a) ** 2 + (centre[1] - b) ** 2 < r * r for a, b, r in discs)
+            mesh = dark if shaded else light
+            mesh.face(*(mesh.vertex(px, 0, pz) for px, pz in ((x, z), (x, z + size), (x + size, z + size), (x + size, z))))
+    return light, dark
+
+
 def number(x):
     return "%.9g" % x   # nine digits give back the same float32
 
@@ -214,7 +250,11 @@ illum 2
 
 def files():
     ring = torus(48, 24)
+    light, dark = dapples(64, 90)
     return {
+        "../gallery/canopy.off": write_off(canopy(240)),
+        "../gallery/dapple-light.off": write_off(light),
+        "../gallery/dapple-dark.off": write_off(dark),
         "icosphere.ply": write_ply(icosphere(4), "little"),
         "torus.obj": write_obj(ring),
         "torus.off": write_off(ring),
@@ -234,7 +274,7 @@ def main():
         folder = sys.argv[1]
     different = []
     for name, data in files().items():
-        path = os.path.join(folder, name)
+        path = os.path.join(folder, name if len(sys.argv) == 1 or check else os.path.basename(name))
         if check:
             with open(path, "rb") as file:
                 if file.read() != data:
