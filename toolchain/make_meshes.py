@@ -162,7 +162,7 @@ def canopy(leaves):
     for _ in range(leaves):
         x, y, z, angle, long, wide = chance(-4.5, 4.5), chance(3, 3.6), chance(-4.5, 4.5), chance(0, 6.28), chance(0.3, 0.6), chance(0.15, 0.3)
         c, s = math.cos(angle), math.sin(angle)
-        mesh.face(*(mesh.vertex(x + a * c - b * s, y + 0.2 * a, z + a * s + b * c) for a, b in ((-long, 0), (0, wide), (long, 0), (0, -wide))))
+        mesh.face(*(mesh.vertex(x + a * c - b * s, y + 0.6 * a, z + a * s + b * c) for a, b in ((-long, 0), (0, wide), (long, 0), (0, -wide))))
     return mesh
 
 
