@@ -13,6 +13,9 @@ layout(local_size_x = 64) in;
 #include "shared/fill.h"
 #include "shared/shade.h"
 #include "shared/encode.h"
+#ifdef PLUMB_VECTORS
+#include "shared/vectors.h"
+#endif
 #include "edges.glsl"
 
 layout(constant_id = 2) const uint kShading = 3u;         // kShadingUnlit ... kShadingPhong
@@ -52,6 +55,22 @@ layout(binding = 8) uniform samplerBuffer lights;
 layout(binding = 9) uniform usamplerBuffer encodeTable;
 layout(binding = 10, scalar) buffer Colours { uvec4 colours[]; };
 layout(binding = 11, scalar) buffer Planes { uvec4 planes[]; };
+
+#ifdef PLUMB_VECTORS   // directions of faces or vertices; by choice only
+layout(constant_id = 30) const uint kVectors = 1u;        // kVectorsFace or kVectorsVertex
+layout(binding = 12) uniform samplerBuffer places;        // of each triangle of the chunk: its face's centre, relative to the eye
+Toward towardEye[4];                                      // of each row of pixels
+Toward towardLamp[kUnrolledLights * 4u];                  // 4 light + row
+
+// Those of one triangle, corners in components 0 to 2 or all alike, to the pixels that show it.
+void carryVector(inout Toward to, Toward from, Shares s, bvec4 here) {
+    if (kVectors == kVectorsVertex) {
+        from = Toward(shared3(s, from.x.x, from.x.y, from.x.z), shared3(s, from.y.x, from.y.y, from.y.z),
+                      shared3(s, from.z.x, from.z.y, from.z.z), shared3(s, from.fade.x, from.fade.y, from.fade.z));
+    }
+    to = Toward(mix(to.x, from.x, here), mix(to.y, from.y, here), mix(to.z, from.z, here), mix(to.fade, from.fade, here));
+}
+#endif
 
 const uint kSlotTriangle = (kPlanes & kFillPlaneZ) != 0u ? 1u : 0u;
 const uint kSlotLinear = kSlotTriangle + ((kPlanes & kFillPlaneTriangle) != 0u ? 1u : 0u);
@@ -255,6 +274,20 @@ void main() {
         source[r] = ivec4(0);
         material[r] = ivec4(-1);
     }
+#ifdef PLUMB_VECTORS
+    vec4 lampPlaces[kUnrolledLights], lampIntensities[kUnrolledLights];
+    [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) {
+        if (i < kLightCount) {
+            int from = (int(push.firstLight) + int(i)) * kLightTexels;
+            lampPlaces[i] = vec4(texelFetch(lights, from).xyz, lightIsAPlace(kLightKinds, i));
+            lampIntensities[i] = vec4(texelFetch(lights, from + 1).xyz, lightAttenuation(kLightKinds, i));
+        }
+        [[unroll]] for (uint r = 0u; r < 4u; ++r) {
+            towardEye[r] = Toward(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+            towardLamp[4u * i + r] = towardEye[r];
+        }
+    }
+#endif
     ivec4 highestId = max(max(id[0], id[1]), max(id[2], id[3]));
     int current = kOne ? alone + 1 : max(max(highestId.x, highestId.y), max(highestId.z, highestId.w));
     int rounds = 0;
@@ -280,6 +313,21 @@ void main() {
             a1 = texelFetch(carried, int(d.y)).xyz * w.y;
             a2 = texelFetch(carried, int(d.z)).xyz * w.z;
         }
+#ifdef PLUMB_VECTORS
+        vec4 face = texelFetch(places, int(d.w));
+        Place place = Place(vec4(face.x), vec4(face.y), vec4(face.z));
+        if (kVectors == kVectorsVertex) {
+            uvec4 c0 = texelFetch(screen, int(d.x));
+            uvec4 c1 = texelFetch(screen, int(d.y));
+            uvec4 c2 = texelFetch(screen, int(d.z));
+            place = placeOfCorner(ivec4(c0.x, c1.x, c2.x, c2.x), ivec4(c0.y, c1.y, c2.y, c2.y), uintBitsToFloat(uvec4(c0.z, c1.z, c2.z, c2.z)),
+                                  push.near, push.rayOrigin, push.rayX, push.rayY);
+        }
+        Toward eyeHere = eyeFrom(place);
+        Toward lampsHere[kUnrolledLights];
+        [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i)
+            if (i < kLightCount) lampsHere[i] = lampFrom(lampPlaces[i], lampIntensities[i].w, place);
+#endif
         ivec4 below = ivec4(0);
         [[unroll]] for (int r = 0; r < 4; ++r) {
             bvec4 here = equal(id[r], ivec4(current));
@@ -297,6 +345,13 @@ void main() {
                 carriedZ[r] = mix(carriedZ[r], weigh(a0.z, a1.z, a2.z, g0, g1, g2), here);
                 if (kShading == kShadingGouraud || !kUnitNormals) weight[r] = mix(weight[r], weigh(w.x, w.y, w.z, g0, g1, g2), here);
             }
+#ifdef PLUMB_VECTORS
+            Shares shares = sharesOf(w.x, w.y, w.z, edgeReal(e.hi.x, e.lo.x, e.a.x, e.b.x, r) + rho.x, edgeReal(e.hi.y, e.lo.y, e.a.y, e.b.y, r) + rho.y,
+                                     edgeReal(e.hi.z, e.lo.z, e.a.z, e.b.z, r) + rho.z);
+            if (kSpecular) carryVector(towardEye[r], eyeHere, shares, here);
+            [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i)
+                if (i < kLightCount && lampPlaces[i].w != 0.0) carryVector(towardLamp[4u * i + uint(r)], lampsHere[i], shares, here);
+#endif
             source[r] = mix(source[r], ivec4(d.w), here);
             material[r] = mix(material[r], ivec4(owner), here);
             below = max(below, mix(ivec4(0), id[r], lessThan(id[r], ivec4(current))));
@@ -458,6 +513,19 @@ void main() {
                     surface.py = ry * w;
                     surface.pz = rz * w;
                 }
+#ifdef PLUMB_VECTORS
+                if (kSpecular && !kDistantViewer) {
+                    surface.vx = towardEye[r].x;
+                    surface.vy = towardEye[r].y;
+                    surface.vz = towardEye[r].z;
+                }
+                [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) {
+                    if (i < kLightCount) {
+                        if (lampPlaces[i].w != 0.0) addLightFrom(towardLamp[4u * i + uint(r)], lampIntensities[i], surface, k, parts, c);
+                        else addLight(lampPlaces[i], lampIntensities[i], surface, k, parts, c);
+                    }
+                }
+#else
                 if (kLightCount != 0u) {
                     [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i)
                         if (i < kLightCount) addLight(places[i], intensities[i], surface, k, parts, c);
@@ -471,6 +539,7 @@ void main() {
                     } while (light < lightCount);
                     fault |= light < lightCount ? kFaultLoop : 0u;
                 }
+#endif
             }
         }
         if (kCoarse) {

@@ -319,10 +319,10 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) {
          o.progress = oneOf<ProgressMode>(v, {{"auto", ProgressMode::automatic}, {"bar", ProgressMode::bar}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}});
      }},
-    {"--trade", "LIST", "turn the knobs of accuracy, by commas: specular=schlick or native, light-vector=scene, interpolation=affine, depth=standard-32, 24 or 16, subpixel=4, normals=as-interpolated, rate=1/2, encode=native; or have more of it: transform=fp64 or block-integer", "the most accurate of each",
-     "AXIS=CHOICE by commas: specular=exact|schlick|native, light-vector=pixel|scene, interpolation=perspective|affine, depth=reversed-32|standard-32|24|16, subpixel=8|4, "
+    {"--trade", "LIST", "turn the knobs of accuracy, by commas: specular=schlick or native, light-vector=vertex, face or scene, interpolation=affine, depth=standard-32, 24 or 16, subpixel=4, normals=as-interpolated, rate=1/2, encode=native; or have more of it: transform=fp64 or block-integer", "the most accurate of each",
+     "AXIS=CHOICE by commas: specular=exact|schlick|native, light-vector=pixel|vertex|face|scene, interpolation=perspective|affine, depth=reversed-32|standard-32|24|16, subpixel=8|4, "
      "transform=fp32|fp64|block-integer, normals=normalised|as-interpolated, rate=1|1/2, encode=threshold|native",
-     {"specular=schlick", "light-vector=scene", "interpolation=affine", "specular=native", "depth=standard-32", "depth=24", "depth=16", "subpixel=4", "transform=block-integer", "transform=fp64", "normals=as-interpolated", "rate=1/2", "encode=native"}, kDraw, addTrades, true},
+     {"specular=schlick", "light-vector=vertex", "light-vector=face", "light-vector=scene", "interpolation=affine", "specular=native", "depth=standard-32", "depth=24", "depth=16", "subpixel=4", "transform=block-integer", "transform=fp64", "normals=as-interpolated", "rate=1/2", "encode=native"}, kDraw, addTrades, true},
     {"--axis", "LIST", "measure the choices of these axes, by commas", "all", "names of axes, by commas; `plumb measure SCENE` lists them", kNoWords, kMeasure,
      [](Options& o, const std::string& v) {
          for (const auto part : split(v, ',')) {

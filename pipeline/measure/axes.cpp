@@ -98,8 +98,8 @@ const std::vector<Axis> kAxes = {
     {"light-vector",
      "where the directions to lights and eye are computed",
      {{"pixel", Verdict::bits, trade<&Trade::vectors, Vectors::pixel>, "at every pixel"},
-      {"vertex", Verdict::bits, nullptr, "only with the colour: shading gouraud"},
-      {"face", Verdict::bits, nullptr, "only with the colour: shading flat"},
+      {"vertex", Verdict::bits, trade<&Trade::vectors, Vectors::vertex>, "at the corners of what is drawn, interpolated, not made unit again"},
+      {"face", Verdict::bits, trade<&Trade::vectors, Vectors::face>, "once a face, at its centre"},
       {"scene", Verdict::bits, trade<&Trade::vectors, Vectors::scene>, "one to the eye, and to each light from the framed centre"}}},
     {"specular",
      "the power of the highlight",
@@ -166,6 +166,7 @@ std::string wordsOf(const Setting& s) {
     static constexpr const char* kShadings[] = {"wire", "unlit", "flat", "gouraud", "phong", "ray"};
     const Trade& t = r.trade;
     static constexpr const char* kNumbers[] = {"fp32", "block-integer", "fp64"};
+    static constexpr const char* kVectors[] = {"pixel", "vertex", "face", "scene"};
     static constexpr const char* kSpeculars[] = {"exact", "schlick", "native"};
     const std::string depth = t.depthBits == 32 ? "reversed-32" : t.depthBits == Trade::kStandardDepth ? "standard-32" : std::to_string(t.depthBits);
     const std::string machine = (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device");
@@ -174,7 +175,7 @@ std::string wordsOf(const Setting& s) {
                            nameOf(r.rays.sampling), machine);
     return fmt::format("shading={} fill={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} transform={} normals={} rate={} encode={} {}",
                        kShadings[size_t(r.shading)], r.fill == Fill::notes ? "notes" : "exact", r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, kSpeculars[size_t(t.specular)],
-                       t.vectors == Vectors::pixel ? "pixel" : "scene", t.affine ? "affine" : "perspective", depth, t.subpixelBits,
+                       kVectors[size_t(t.vectors)], t.affine ? "affine" : "perspective", depth, t.subpixelBits,
                        kNumbers[size_t(t.numbers)], t.unitNormals ? "normalised" : "as-interpolated", t.coarse ? "1/2" : "1", t.nativeEncode ? "native" : "threshold", machine);
 }
 

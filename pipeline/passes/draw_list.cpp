@@ -55,6 +55,7 @@ DrawList chunkOf(const DrawList& list, uint32_t first, uint32_t count) {
                 slot = uint32_t(chunk.facePositions.size());
                 chunk.facePositions.push_back(list.facePositions[face]);
                 chunk.faceNormals.push_back(list.faceNormals[face]);
+                if (!list.facePlaces.empty()) chunk.facePlaces.push_back(list.facePlaces[face]);
                 chunk.faceMaterial.push_back(list.faceMaterial[face]);
                 chunk.facePrimitive.push_back(list.facePrimitive[face]);
             }

@@ -30,6 +30,7 @@ struct DrawList {
     std::vector<glm::uvec4> triangles;                    // vertices counter-clockwise as seen from the front, material
     std::vector<uint32_t> triangleFace;                   // index into the face stream
     std::vector<glm::vec4> facePositions, faceNormals;    // flat shading: one point a face
+    std::vector<glm::vec4> facePlaces;                    // of each face, its centre relative to the eye, world axes; only for directions of faces
     std::vector<uint32_t> faceMaterial, facePrimitive;    // primitive_id of a face
     std::vector<glm::uvec2> edges;                        // wire frame
     std::vector<uint32_t> edgeFace;                       // of each edge, index into the face stream: when hidden lines are removed

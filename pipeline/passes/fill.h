@@ -7,6 +7,7 @@
 #include "pipeline/passes/draw_list.h"
 #include "pipeline/passes/transform.h"
 #include "shaders/shared/encode.h"
+#include "shaders/shared/vectors.h"
 
 #include <span>
 
@@ -21,6 +22,7 @@ struct FillChoices {
     bool affine = false;                 // attributes without perspective
     uint32_t depthBits = 32;             // 32: float32; gpu::kDepthStandard: float32 of 1 - n/w; 16, 24: fixed point
     bool unitNormals = true;             // false: as interpolated
+    uint32_t vectors = gpu::kVectorsPixel; // where directions are made (shared/vectors.h): else lightCount and lightKinds are stated, not coarse, not native
     bool coarse = false;                 // Phong: one shaded pixel in 2 x 2
     uint32_t encoding = gpu::kEncodeSrgb;
     uint32_t planes = 0;                 // gpu::kFillPlane bits that the plane buffer holds
@@ -42,8 +44,18 @@ inline FillChoices forNormals(FillChoices choices) {
     choices.parts = {false, false, false, gpu::kPowerExact};
     choices.unitNormals = true;
     choices.coarse = false;
+    choices.vectors = gpu::kVectorsPixel;
     return choices;
 }
+// The few lights of a window, as lightKinds.
+inline uint32_t kindsOf(std::span<const gpu::LightRecord> lights) {
+    PLUMB_ASSERT(lights.size() <= gpu::kUnrolledLights);
+    uint32_t kinds = 0;
+    for (size_t i = 0; i < lights.size(); ++i) kinds |= gpu::lightKind(uint32_t(i), lights[i].kind != 0, uint32_t(lights[i].attenuation));
+    return kinds;
+}
+// Lights that a dispatch adds up.
+inline uint32_t lightsPerWindow(const FillChoices& choices) { return choices.vectors == gpu::kVectorsPixel ? gpu::kLightsPerWindow : gpu::kUnrolledLights; }
 
 // Twin, first half: z bits (of `depthBits`) and drawn triangle + 1 (0: none) of every pixel of a frame.
 void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen,
@@ -66,6 +78,7 @@ struct FillBuffers {
     const Buffer<uint32_t>& encodeTable;
     const Buffer<glm::uvec4>& colours;
     const Buffer<glm::uvec4>& planes;
+    const Buffer<glm::vec4>& places;     // of triangles: centres of their faces; kVectorsFace
     uint64_t firstColour = 0, colourCount = 0;   // the band's part of colours; 0: all
 };
 // Begins to make the pipeline of a recordFill with these choices.

@@ -99,6 +99,7 @@ void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoice
         const gpu::DrawTriangle& d = draws[draw[at] - 1];
         const gpu::MaterialRecord& m = list.materials[list.triangles[d.source].w];
         std::array<float, 4> value{};
+        gpu::Shares shares{};
         if (choices.shading == gpu::kShadingFlat) {
             const glm::vec4& c = carried[list.triangleFace[d.source]];
             value = {c.x, c.y, c.z, 1};
@@ -112,6 +113,7 @@ void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoice
             const glm::vec4 &a0 = carried[d.vertex[0]], &a1 = carried[d.vertex[1]], &a2 = carried[d.vertex[2]];
             for (int i = 0; i < 3; ++i) value[size_t(i)] = gpu::weigh(a0[i] * w[0], a1[i] * w[1], a2[i] * w[2], e[0], e[1], e[2]);
             value[3] = gpu::weigh(w[0], w[1], w[2], e[0], e[1], e[2]);
+            shares = gpu::sharesOf(w[0], w[1], w[2], e[0], e[1], e[2]);
         }
         gpu::Colour c{};
         if (choices.shading == gpu::kShadingUnlit) {
@@ -145,9 +147,35 @@ void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoice
             s.py = ry * w;
             s.pz = rz * w;
             c = {m.base.x, m.base.y, m.base.z};
-            for (const gpu::LightRecord& light : list.lights)
-                gpu::addLight(glm::vec4(light.place, light.kind), glm::vec4(light.intensity, light.attenuation), s,
-                              reflectanceOf(m), choices.parts, c);
+            // A direction as `toward` makes it at a place, of the face or of each corner.
+            const auto made = [&](const auto& toward) {
+                if (choices.vectors == gpu::kVectorsFace) {
+                    const glm::vec4& p = list.facePlaces[list.triangleFace[d.source]];
+                    return toward(gpu::Place{p.x, p.y, p.z});
+                }
+                gpu::Toward t[3];
+                for (int i = 0; i < 3; ++i) {
+                    const gpu::ScreenVertex& v = screen[d.vertex[i]];
+                    t[i] = toward(gpu::placeOfCorner(v.x, v.y, v.z, list.viewport.near, list.rayOrigin, list.rayX, list.rayY));
+                }
+                return gpu::Toward{gpu::shared3(shares, t[0].x, t[1].x, t[2].x), gpu::shared3(shares, t[0].y, t[1].y, t[2].y),
+                                   gpu::shared3(shares, t[0].z, t[1].z, t[2].z), gpu::shared3(shares, t[0].fade, t[1].fade, t[2].fade)};
+            };
+            const bool atPixels = choices.vectors == gpu::kVectorsPixel;
+            if (!atPixels && choices.parts.specular && list.towardViewer == glm::vec3(0)) {
+                const gpu::Toward eye = made([](const gpu::Place& p) { return gpu::eyeFrom(p); });
+                s.vx = eye.x;
+                s.vy = eye.y;
+                s.vz = eye.z;
+            }
+            for (const gpu::LightRecord& light : list.lights) {
+                const glm::vec4 place(light.place, light.kind), intensity(light.intensity, light.attenuation);
+                if (atPixels || light.kind == 0)
+                    gpu::addLight(place, intensity, s, reflectanceOf(m), choices.parts, c);
+                else
+                    gpu::addLightFrom(made([&](const gpu::Place& p) { return gpu::lampFrom(place, light.attenuation, p); }), intensity, s,
+                                      reflectanceOf(m), choices.parts, c);
+            }
             if (unitNormal) {
                 if (!choices.unitNormals) gpu::unitVector(value[0], value[1], value[2]);
                 std::copy_n(value.begin(), 3, unitNormal);

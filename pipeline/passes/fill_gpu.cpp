@@ -5,6 +5,8 @@
 #include <spirv/fill_native.h>
 #include <spirv/fill_native_shuffle.h>
 #include <spirv/fill_shuffle.h>
+#include <spirv/fill_vectors.h>
+#include <spirv/fill_vectors_shuffle.h>
 
 namespace plumb {
 
@@ -17,6 +19,7 @@ bool shuffles(const FillChoices& choices) {
 
 const Module& moduleOf(const FillChoices& choices) {
     const bool native = choices.parts.power == gpu::kPowerNative || choices.encoding == gpu::kEncodeNative;
+    if (choices.vectors != gpu::kVectorsPixel) return shuffles(choices) ? spirv::fill_vectors_shuffle : spirv::fill_vectors;
     if (native) return shuffles(choices) ? spirv::fill_native_shuffle : spirv::fill_native;
     return shuffles(choices) ? spirv::fill_shuffle : spirv::fill;
 }
@@ -43,6 +46,7 @@ Specialization constantsOf(const FillChoices& choices, bool distantViewer, const
     constants[21] = choices.coarse;
     constants[24] = choices.lightKinds;
     constants[25] = choices.one;
+    if (choices.vectors != gpu::kVectorsPixel) constants[30] = choices.vectors;
     if (shuffles(choices)) constants[14] = choices.subgroupSize;
     return constants;
 }
@@ -56,6 +60,17 @@ void prepareFill(Recorder& recorder, const FillChoices& choices, bool distantVie
 void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices& choices, const Specialization& exact,
                 const FillBuffers& b, uint32_t firstTile) {
     const uint64_t tileOffset = uint64_t(firstTile) * sizeof(glm::uvec4);
+    if (choices.vectors != gpu::kVectorsPixel) {
+        recorder.dispatch("fill", moduleOf(choices), uint64_t(push.tileCount) * 8, push,
+                          {texels(b.draws, View::texelU32x4), texels(b.screen, View::texelU32x4), texels(b.carried, View::texelF32x4),
+                           texels(b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
+                           texels(b.entries, View::texelU32), texels(b.triangleMaterials, View::texelU32),
+                           texels(b.materials, View::texelF32x4), texels(b.lights, View::texelF32x4),
+                           texels(b.encodeTable, View::texelU32), storage(b.colours, b.firstColour, b.colourCount), storage(b.planes),
+                           texels(b.places, View::texelF32x4)},
+                          constantsOf(choices, push.toward != glm::vec3(0), exact));
+        return;
+    }
     recorder.dispatch("fill", moduleOf(choices), uint64_t(push.tileCount) * 8, push,
                       {texels(b.draws, View::texelU32x4), texels(b.screen, View::texelU32x4), texels(b.carried, View::texelF32x4),
                        texels(b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),

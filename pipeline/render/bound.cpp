@@ -223,7 +223,7 @@ ColourBound boundOfTrade(const Scene& scene, const RenderRequest& request) {
     if (request.shading == Shading::ray || request.fill == Fill::notes)
         return none("only the raster shadings of --fill exact have bounds of their choices");
     if (t.vectors != Trade::Vectors::pixel)
-        return none("how far a direction that is not the pixel's own is off depends on the scene's extent");
+        return none("a direction that is not the pixel's own may turn N.L's sign, and with it a highlight comes or goes at once");
     if (t.numbers != Numbers::fp32) return none("a vertex that is off by less may be snapped to the next 1/256 px");
     if (t.affine) return none("linear on the screen may be off by all that an attribute spans over a triangle");
     if (t.depthBits != 32) return none("triangles that fall together tie, and another one may be seen");

@@ -57,8 +57,8 @@ bool GpuFrame::fitsWhole(uint32_t planes) const {
     if (reserved(vertices) > std::min(l.storageRangeBytes / sizeof(glm::vec4), l.texelElements)) return false;
     if (reserved(std::max(triangles, faces)) > l.texelElements) return false;
     // Bytes of upload() and of the lists, were every triangle drawn and in two tiles; then what a band's buffers may take.
-    const uint64_t perVertex = 4 * sizeof(glm::vec4) + sizeof(uint32_t);
-    const uint64_t perTriangle = sizeof(glm::uvec4) + sizeof(gpu::DrawTriangle) + sizeof(glm::uvec4) + 4 * sizeof(uint32_t);
+    const uint64_t perVertex = (list.numbers == Numbers::fp32 ? 4 : 5) * sizeof(glm::vec4) + sizeof(uint32_t);
+    const uint64_t perTriangle = (list.facePlaces.empty() ? 0 : sizeof(glm::vec4)) + sizeof(glm::uvec4) + sizeof(gpu::DrawTriangle) + sizeof(glm::uvec4) + 4 * sizeof(uint32_t);
     const uint64_t perFace = 3 * sizeof(glm::vec4) + sizeof(uint32_t);
     const uint64_t geometry = reserved(vertices) * perVertex + reserved(triangles) * perTriangle + reserved(faces) * perFace;
     const uint64_t pixels = (uint64_t(list.frame.width) + 15) / 16 * 16 * ((uint64_t(list.frame.height) + 7) / 8 * 8);
@@ -68,7 +68,7 @@ bool GpuFrame::fitsWhole(uint32_t planes) const {
 }
 
 uint32_t GpuFrame::withSum(uint32_t planes) const {
-    const bool windows = prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > gpu::kLightsPerWindow;
+    const bool windows = prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > lightsPerWindow(prepared_.choices);
     return planes | (windows ? gpu::kFillPlaneSum : 0u);
 }
 
@@ -113,6 +113,10 @@ void GpuFrame::upload(const DrawList& chunk) {
     std::vector<uint32_t> materialOf(chunk.triangles.size());
     const bool flat = prepared_.choices.shading == gpu::kShadingFlat;
     for (size_t t = 0; t < materialOf.size(); ++t) materialOf[t] = flat ? chunk.triangleFace[t] : chunk.triangles[t].w;
+    std::vector<glm::vec4> places(chunk.facePlaces.empty() ? 1 : chunk.triangles.size());
+    if (!chunk.facePlaces.empty())
+        for (size_t t = 0; t < places.size(); ++t) places[t] = chunk.facePlaces[chunk.triangleFace[t]];
+    put<glm::vec4>(device_, trianglePlaces_, places, "places of faces");
     put<uint32_t>(device_, triangleMaterial_, materialOf, "triangle materials");
     if (prepared_.choices.shading == gpu::kShadingGouraud) put<uint32_t>(device_, vertexMaterial_, chunk.vertexMaterial, "vertex materials");
     if (flat) {
@@ -289,7 +293,7 @@ FillChoices GpuFrame::onDevice(FillChoices choices) const {
 
 void GpuFrame::prepare(FillChoices choices, uint32_t planes) {
     planes_ = withSum(planes);
-    if (prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > gpu::kLightsPerWindow) return;  // several pipelines
+    if (prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > lightsPerWindow(prepared_.choices)) return;  // several pipelines
     prepareFill(recorder_, onDevice(choices), prepared_.list.towardViewer != glm::vec3(0), exact_);
 }
 
@@ -335,8 +339,12 @@ void GpuFrame::fill(FillChoices choices) {
         // All windows but the last leave the sum only: z still is what the last one, too, shall find there.
         push.firstLight = 0;
         do {
-            push.lightCount = std::min(lightCount - push.firstLight, gpu::kLightsPerWindow);
+            push.lightCount = std::min(lightCount - push.firstLight, lightsPerWindow(choices));
             FillChoices window = choices;
+            if (choices.vectors != gpu::kVectorsPixel) {
+                window.lightCount = push.lightCount;
+                window.lightKinds = kindsOf(std::span(chunk_->lights).subspan(push.firstLight, push.lightCount));
+            }
             if (push.firstLight + push.lightCount < lightCount) {
                 window.write = gpu::kFillPlaneSum;
                 window.colour = false;
@@ -354,7 +362,7 @@ void GpuFrame::fill(FillChoices choices) {
 // In dispatches that are neither long nor too many.
 void GpuFrame::recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push, const FillChoices& choices) {
     const FillBuffers buffers{draws_,     screen_,  choices.shading == gpu::kShadingFlat ? faceColours_ : carried_, buffer, entries_,
-                              triangleMaterial_, materials_, lights_, encodeTable_, colours_, planeBuffer_, firstColour_, planeQuads_};
+                              triangleMaterial_, materials_, lights_, encodeTable_, colours_, planeBuffer_, trianglePlaces_, firstColour_, planeQuads_};
     const uint64_t perTile = kWorkPerTile * (1 + push.lightCount);
     uint32_t first = 0;
     uint64_t work = 0;

@@ -103,6 +103,7 @@ private:
     std::vector<uint32_t> tileCounts_;
     std::vector<glm::uvec4> tileRecords_;
 
+    Buffer<glm::vec4> trianglePlaces_;
     Buffer<glm::vec4> positions_, normals_, facePositions_, faceNormals_, carried_, faceColours_;
     Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, lanePlaces_, large_, medium_, kinds_, tiles_, entries_, encodeTable_;
     Buffer<glm::uvec4> triangles_, slots_, tileBuffer_, aloneBuffer_, colours_, planeBuffer_, resolved_;

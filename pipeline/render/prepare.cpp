@@ -188,11 +188,18 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
         list.normals.emplace_back(mesh.normals[i], 0.0f);
         list.vertexMaterial.push_back(slotOf(mesh.vertexMaterial[i]));
     }
+    const glm::dmat4 viewed = viewedFromObject(object.worldFromObject, view);
     for (size_t f = 0; f < mesh.faceCentre.size(); ++f) {
         list.facePositions.emplace_back(mesh.faceCentre[f], 1.0f);
         list.faceNormals.emplace_back(mesh.faceNormal[f], 0.0f);
         list.faceMaterial.push_back(slotOf(mesh.faceMaterial[f]));
         list.facePrimitive.push_back(uint32_t(f));
+        if (request.trade.vectors == Trade::Vectors::face) {
+            glm::vec4 place(viewed * glm::dvec4(mesh.faceCentre[f], 1));
+            for (int i = 0; i < 3; ++i)
+                if (std::abs(place[i]) < std::numeric_limits<float>::min()) place[i] = 0;
+            list.facePlaces.push_back(place);
+        }
     }
     // Front faces run counter-clockwise as seen in a right-handed world, clockwise in a left-handed one; a mirror swaps.
     const bool swap = scene.leftHanded != (glm::determinant(glm::dmat3(object.worldFromObject)) < 0);
@@ -291,7 +298,7 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
     if (!point) p.plan.dropped.push_back({"surface position", "no point light"});
     if (p.list.lights.size() <= gpu::kUnrolledLights) {
         c.lightCount = uint32_t(p.list.lights.size());
-        for (uint32_t i = 0; i < c.lightCount; ++i) c.lightKinds |= gpu::lightKind(i, p.list.lights[i].kind != 0, uint32_t(p.list.lights[i].attenuation));
+        c.lightKinds = kindsOf(p.list.lights);
     }
     c.oneMaterial = p.list.materials.size() == 1;
 }
@@ -418,6 +425,14 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     const bool atPixels = p.choices.shading == gpu::kShadingPhong && request.fill == Fill::exact && !rays;
     p.choices.unitNormals = trade.unitNormals || !atPixels;
     p.choices.coarse = trade.coarse && atPixels;
+    using Vectors = Trade::Vectors;
+    if (atPixels && (trade.vectors == Vectors::face || trade.vectors == Vectors::vertex)) {
+        const char* which = trade.vectors == Vectors::face ? "face" : "vertex";
+        if (trade.coarse) throw usageError(fmt::format("light-vector={} shades every pixel: leave rate=1/2 out", which));
+        if (trade.native()) throw usageError(fmt::format("light-vector={} takes none of the device's own functions: leave specular=native and encode=native out", which));
+        if (!list.lights.empty() && (p.choices.parts.diffuse || p.choices.parts.specular))
+            p.choices.vectors = trade.vectors == Vectors::face ? gpu::kVectorsFace : gpu::kVectorsVertex;
+    }
     const float background[3] = {request.background.x, request.background.y, request.background.z};
     p.backgroundLinear = request.background;
     p.background = encodePixelCpu(p.choices.encoding, background, request.transparent ? 0 : 255);
@@ -464,6 +479,10 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     if (request.distantViewer) plan.choices.push_back("viewer: distant, one vector toward it for every point");
     if (trade.specular == Trade::Specular::schlick) plan.choices.push_back("specular: Schlick's quotient in place of the power");
     if (trade.vectors == Trade::Vectors::scene) plan.choices.push_back("light-vector: one direction to the eye and to each light for the whole scene");
+    if (p.choices.vectors == gpu::kVectorsFace) plan.choices.push_back("light-vector: directions made once a face, at its centre");
+    if (p.choices.vectors == gpu::kVectorsVertex) plan.choices.push_back("light-vector: directions made at the corners and interpolated, not made unit again");
+    if ((trade.vectors == Vectors::face || trade.vectors == Vectors::vertex) && p.choices.vectors == gpu::kVectorsPixel)
+        plan.choices.push_back("light-vector: no pixel is lit by a direction of its own; nothing changes");
     if (trade.affine) plan.choices.push_back("interpolation: affine");
     if (list.numbers == Numbers::blockInteger) plan.choices.push_back("transform: block-scaled integers, rounded to float32 once");
     if (list.numbers == Numbers::fp64) plan.choices.push_back("transform: binary64, rounded to float32 at its end");

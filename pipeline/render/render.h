@@ -16,12 +16,12 @@ namespace plumb {
 // What a picture may do faster and less accurately, beside its shading and samples (docs/measure.md). The defaults are the most accurate.
 struct Trade {
     enum class Specular { exact, schlick, native };
-    enum class Vectors { pixel, scene };
+    enum class Vectors { pixel, vertex, face, scene };
 
     static constexpr uint32_t kStandardDepth = 33;  // as depthBits
 
     Specular specular = Specular::exact;
-    Vectors vectors = Vectors::pixel;     // scene (Phong): one direction to the eye, and to each light from the framed centre
+    Vectors vectors = Vectors::pixel;     // Phong: where directions to the eye and to each light are made; scene: at the framed centre
     Numbers numbers = Numbers::fp32;      // in which vertices are transformed; the other two are more accurate
     bool affine = false;                  // attributes interpolated without perspective
     uint32_t depthBits = 32;              // 32: n/w as float32; kStandardDepth: float32 of 1 - n/w; 16, 24: n/w as fixed point

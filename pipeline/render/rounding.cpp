@@ -131,18 +131,19 @@ public:
         for (size_t i = 0; i < 3; ++i) z += e[i] / weights * z_[d.vertex[i]];
         // A coarser depth is a choice, not a rounding.
         if (p_.choices.depthBits != 32) z = double(gpu::realOf(zBits));
-        dvec3 sum(0);
-        double share = 0;
-        for (size_t i = 0; i < 3; ++i) {
-            const double w = e[i] * (p_.choices.affine ? 1 : z_[d.vertex[i]]);
-            sum += carried_[d.vertex[i]] * w;
-            share += w;
+        dvec3 sum(0), shares(0);
+        for (int i = 0; i < 3; ++i) {
+            shares[i] = e[i] * (p_.choices.affine ? 1 : z_[d.vertex[i]]);
+            sum += carried_[d.vertex[i]] * shares[i];
         }
+        const double share = shares.x + shares.y + shares.z;
         sum /= share;
+        shares /= share;
         if (shading == gpu::kShadingGouraud) return sum;
         if (p_.choices.unitNormals) sum *= reread::reciprocalRoot(glm::dot(sum, sum));
         const dvec3 ray =
             dvec3(list.rayOrigin) + dvec3(list.rayX) * (double(column) + 0.5) + dvec3(list.rayY) * (double(row) + 0.5);
+        if (p_.choices.vectors != gpu::kVectorsPixel) return shadeByVectors(d, m, sum, shares);
         return shadeAt(m, sum, -ray, ray * (double(list.viewport.near) / z));
     }
 
@@ -160,18 +161,62 @@ private:
         return shadeAt(p_.list.materials[material], n, -p, p);
     }
 
+    // Directions of the face or of the corners (shaders/shared/vectors.h).
+    dvec3 shadeByVectors(const gpu::DrawTriangle& d, const gpu::MaterialRecord& m, const dvec3& n, const dvec3& shares) const {
+        const DrawList& list = p_.list;
+        const bool face = p_.choices.vectors == gpu::kVectorsFace;
+        dvec3 places[3];
+        for (int i = 0; i < 3; ++i) {
+            const gpu::ScreenVertex& v = g_.screen[d.vertex[i]];
+            places[i] = face ? dvec3(list.facePlaces[list.triangleFace[d.source]])
+                             : (dvec3(list.rayOrigin) + dvec3(list.rayX) * (double(v.x) / gpu::kSubpixels) + dvec3(list.rayY) * (double(v.y) / gpu::kSubpixels)) *
+                                   (double(list.viewport.near) / z_[d.vertex[i]]);
+        }
+        const auto made = [&](const auto& toward) {
+            reread::Toward t{};
+            for (int i = 0; i < 3; ++i) {
+                const reread::Toward at = toward(places[i]);
+                const double share = face ? double(i == 0) : shares[i];
+                t = {t.x + share * at.x, t.y + share * at.y, t.z + share * at.z, t.fade + share * at.fade};
+            }
+            return t;
+        };
+        const reread::Toward eye = made([](const dvec3& p) {
+            const dvec3 unit = -p * reread::reciprocalRoot(glm::dot(p, p));
+            return reread::Toward{unit.x, unit.y, unit.z, 1};
+        });
+        const reread::Surface s{n.x, n.y, n.z, eye.x, eye.y, eye.z, 0, 0, 0};
+        reread::Colour c{double(m.base.x), double(m.base.y), double(m.base.z)};
+        for (const gpu::LightRecord& light : list.lights) {
+            const dvec4 place(glm::dvec3(light.place), double(light.kind)), intensity(glm::dvec3(light.intensity), double(light.attenuation));
+            const auto lamp = [&](const dvec3& p) {
+                reread::Toward t = reread::towardLight(place, intensity.w, true, p.x, p.y, p.z);
+                if (!(t.fade < 0x1p100)) t.fade = 0;
+                return t;
+            };
+            reread::addLightFrom(light.kind == 0 ? lamp(dvec3(0)) : made(lamp), intensity, s, reflects(m), partsRead(), c);
+        }
+        return {c.r, c.g, c.b};
+    }
+
+    reread::ShadeParts partsRead() const {
+        const gpu::ShadeParts& parts = p_.choices.parts;
+        return {parts.diffuse, parts.specular, parts.point, parts.power};
+    }
+    static reread::Reflectance reflects(const gpu::MaterialRecord& m) {
+        return {double(m.diffuse.x),  double(m.diffuse.y),  double(m.diffuse.z),  double(m.specular.x),
+                double(m.specular.y), double(m.specular.z), double(m.shininess), double(m.zeroPower)};
+    }
+
     dvec3 shadeAt(const gpu::MaterialRecord& m, const dvec3& n, dvec3 toEye, const dvec3& p) const {
         toEye *= reread::reciprocalRoot(glm::dot(toEye, toEye));
         const reread::Surface s{n.x, n.y, n.z, toEye.x, toEye.y, toEye.z, p.x, p.y, p.z};
-        const reread::Reflectance k{double(m.diffuse.x),  double(m.diffuse.y),  double(m.diffuse.z),
-                                    double(m.specular.x), double(m.specular.y), double(m.specular.z),
-                                    double(m.shininess),  double(m.zeroPower)};
-        const gpu::ShadeParts& parts = p_.choices.parts;
+        const reread::Reflectance k = reflects(m);
         reread::Colour c{double(m.base.x), double(m.base.y), double(m.base.z)};
         for (const gpu::LightRecord& light : p_.list.lights)
             reread::addLight(dvec4(glm::dvec3(light.place), double(light.kind)),
                              dvec4(glm::dvec3(light.intensity), double(light.attenuation)), s, k,
-                             {parts.diffuse, parts.specular, parts.point, parts.power}, c);
+                             partsRead(), c);
         return {c.r, c.g, c.b};
     }
 

@@ -156,24 +156,34 @@ SHARED_FN void seeFrom(bool distant, vec3 toward, INOUT(Surface) s) {
     }
 }
 
-// Adds one light. R = 2 (N.L) N - L; delta = |R - V|^2 / 2 = 1 - R.V for unit vectors, without cancellation near the highlight.
-SHARED_FN void addLight(vec4 place, vec4 intensity, Surface s, Reflectance k, ShadeParts parts, INOUT(Colour) c) {
-    Real lx = real(place.x);
-    Real ly = real(place.y);
-    Real lz = real(place.z);
-    Real fade = real(1.0f);
-    if (parts.point && place.w != 0.0f) {
-        lx = lx - s.px;
-        ly = ly - s.py;
-        lz = lz - s.pz;
-        Real inverse = reciprocalRoot((lx * lx + ly * ly) + lz * lz);
-        lx = lx * inverse;
-        ly = ly * inverse;
-        lz = lz * inverse;
-        if (intensity.w == 1.0f) fade = inverse;
-        if (intensity.w == 2.0f) fade = inverse * inverse;
+// The unit vector toward a light, and the share of its light that reaches the place.
+struct Toward {
+    Real x, y, z, fade;
+};
+SHARED_FN Toward towardLight(vec4 place, float attenuation, bool point, Real px, Real py, Real pz) {
+    Toward t;
+    t.x = real(place.x);
+    t.y = real(place.y);
+    t.z = real(place.z);
+    t.fade = real(1.0f);
+    if (point && place.w != 0.0f) {
+        t.x = t.x - px;
+        t.y = t.y - py;
+        t.z = t.z - pz;
+        Real inverse = reciprocalRoot((t.x * t.x + t.y * t.y) + t.z * t.z);
+        t.x = t.x * inverse;
+        t.y = t.y * inverse;
+        t.z = t.z * inverse;
+        if (attenuation == 1.0f) t.fade = inverse;
+        if (attenuation == 2.0f) t.fade = inverse * inverse;
     }
-    Real nl = (s.nx * lx + s.ny * ly) + s.nz * lz;
+    return t;
+}
+
+// Adds one light. R = 2 (N.L) N - L; delta = |R - V|^2 / 2 = 1 - R.V for unit vectors, without cancellation near the highlight.
+SHARED_FN void addLightFrom(Toward t, vec4 intensity, Surface s, Reflectance k, ShadeParts parts, INOUT(Colour) c) {
+    Real fade = t.fade;
+    Real nl = (s.nx * t.x + s.ny * t.y) + s.nz * t.z;
     Bool lit = gt(nl, real(0.0f));
     if (parts.point) fade = pick(lit, fade, real(0.0f));  // a light exactly at the point: 1 / d^2 is infinite, and 0 times it not a number
     Real r = real(0.0f);
@@ -187,9 +197,9 @@ SHARED_FN void addLight(vec4 place, vec4 intensity, Surface s, Reflectance k, Sh
     }
     if (parts.specular) {
         Real twice = nl + nl;
-        Real qx = (twice * s.nx - lx) - s.vx;
-        Real qy = (twice * s.ny - ly) - s.vy;
-        Real qz = (twice * s.nz - lz) - s.vz;
+        Real qx = (twice * s.nx - t.x) - s.vx;
+        Real qy = (twice * s.ny - t.y) - s.vy;
+        Real qz = (twice * s.nz - t.z) - s.vz;
         Real delta = ((qx * qx + qy * qy) + qz * qz) * 0.5f;
         Real power = real(0.0f);
         if (parts.power == kPowerSchlick) power = schlickPower(delta, k.n, k.zeroPower);
@@ -203,6 +213,10 @@ SHARED_FN void addLight(vec4 place, vec4 intensity, Surface s, Reflectance k, Sh
     c.r = c.r + (r * fade) * intensity.x;
     c.g = c.g + (g * fade) * intensity.y;
     c.b = c.b + (b * fade) * intensity.z;
+}
+
+SHARED_FN void addLight(vec4 place, vec4 intensity, Surface s, Reflectance k, ShadeParts parts, INOUT(Colour) c) {
+    addLightFrom(towardLight(place, intensity.w, parts.point, s.px, s.py, s.pz), intensity, s, k, parts, c);
 }
 
 SHARED_END

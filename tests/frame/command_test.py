@@ -136,7 +136,7 @@ class Rendering(Command):
 
     def test_trades_change_the_picture_and_are_refused_by_name(self):
         self.twin(0, "render", "cube.obj", "-o", "a.png")
-        for trade in ("interpolation=affine,light-vector=scene", "subpixel=4", "rate=1/2"):
+        for trade in ("interpolation=affine,light-vector=scene", "light-vector=face,transform=fp64", "light-vector=vertex,transform=block-integer", "subpixel=4", "rate=1/2"):
             self.twin(0, "render", "cube.obj", "-o", "b.png", "--trade", trade)
             self.assertNotEqual(self.read("a.png"), self.read("b.png"), trade)
         self.twin(0, "render", "cube.obj", "-o", "b.png", "--trade", "depth=reversed-32,specular=exact")
@@ -146,6 +146,8 @@ class Rendering(Command):
             self.twin(2, "render", "cube.obj", "-o", "c.png", "--trade", trade, says=says)
         self.assertEqual(self.files(), ["a.png", "b.png", "cube.obj"])
         self.expect(0, "verify", "cube.obj", "--size", "64x48", "--trade", "specular=schlick,depth=16,subpixel=4,interpolation=affine,light-vector=scene,normals=as-interpolated,rate=1/2")
+        self.twin(2, "render", "cube.obj", "-o", "c.png", "--trade", "rate=1/2,light-vector=face", says="leave rate=1/2 out")
+        self.twin(2, "render", "cube.obj", "-o", "c.png", "--trade", "encode=native,light-vector=vertex", says="leave specular=native and encode=native out")
         self.twin(2, "render", "cube.obj", "-o", "c.png", "--fill", "notes", "--trade", "rate=1/2", says="--fill notes has the axis specular")
         # What the device computes its own way is compared with its bound.
         native = json.loads(self.expect(0, "verify", "cube.obj", "--size", "64x48", "--trade", "specular=native,encode=native", "--json").stdout)

@@ -63,7 +63,7 @@ TEST_F(Frames, AreEqualInEveryShadingWithEverySampleCount) {
 }
 
 TEST_F(Frames, AreEqualWithEveryTrade) {
-    std::vector<Trade> trades(12);
+    std::vector<Trade> trades(14);
     trades[0].specular = Trade::Specular::schlick;
     trades[1].vectors = Trade::Vectors::scene;
     trades[2].affine = true;
@@ -76,6 +76,8 @@ TEST_F(Frames, AreEqualWithEveryTrade) {
     trades[9] = {.specular = Trade::Specular::schlick, .depthBits = 16, .unitNormals = false, .coarse = true};
     trades[10].numbers = Numbers::blockInteger;
     trades[11].numbers = Numbers::fp64;
+    trades[12].vectors = Trade::Vectors::face;
+    trades[13].vectors = Trade::Vectors::vertex;
     for (const SceneCase& row : {kSoup, kInside})
         for (const Shading shading : {Shading::flat, Shading::gouraud, Shading::phong}) {
             const Scene scene = row.scene();
@@ -87,7 +89,7 @@ TEST_F(Frames, AreEqualWithEveryTrade) {
                 const Frame traded = both(scene, request);
                 // Shown on the picture in which there is a highlight, perspective and much that overlaps; 24 bits and 1 - n/w show in its depth alone; this
                 // scene has no transform that could round, below.
-                if (row.build != kSoup.build || shading != Shading::phong || t >= 10) continue;
+                if (row.build != kSoup.build || shading != Shading::phong || t == 10 || t == 11) continue;
                 const bool inDepth = t == 3 || t == 6;
                 EXPECT_NE(inDepth ? plain.z : plain.linear, inDepth ? traded.z : traded.linear) << "the choice changed nothing";
             }
@@ -117,6 +119,52 @@ TEST_F(Frames, AreEqualInLongNumbersWhereFloat32MovesVertices) {
             request.bandRows = 24;
             expectSameFrame(longer, renderGpu(device(), scene, request).frame);
         }
+    }
+}
+
+// Directions of faces and vertices, however many lights there are (windows of four), with and without places and attenuation, in chunks and bands.
+TEST_F(Frames, AreEqualWithDirectionsOfFacesAndVertices) {
+    for (const Trade::Vectors vectors : {Trade::Vectors::face, Trade::Vectors::vertex})
+        for (const size_t lights : {2u, 5u}) {
+            SCOPED_TRACE(fmt::format("vectors {}, {} lights", int(vectors), lights));
+            Scene scene = kInside.scene();
+            const std::vector<Light> kinds = scene.lights;
+            ASSERT_FALSE(kinds.empty());
+            scene.lights.clear();
+            for (size_t i = 0; i < lights; ++i) {
+                Light light = kinds[i % kinds.size()];
+                light.directional = i % 3 == 1;
+                light.direction = {0.3, 0.5, 1 + double(i)};
+                light.position = {double(i) - 3, 2, 1 - double(i)};
+                light.attenuation = Attenuation(i % 3);
+                scene.lights.push_back(light);
+            }
+            RenderRequest request = requestOf(kInside);
+            request.trade.vectors = vectors;
+            request.trade.affine = lights == 2;
+            request.trade.unitNormals = lights != 2;
+            const Frame whole = both(scene, request);
+            if (lights == 5 && vectors == Trade::Vectors::face) {  // places of faces are those of the chunk
+                request.chunkTriangles = 30;
+                request.bandRows = 40;
+                expectSameFrame(whole, renderGpu(device(), scene, request).frame);
+            }
+            request.trade.coarse = true;
+            EXPECT_THROW(renderCpu(scene, request), Error);
+        }
+    // A lamp at a corner shines from nowhere there, and nothing is not a number.
+    Scene scene = kSoup.scene();
+    for (const Trade::Vectors vectors : {Trade::Vectors::face, Trade::Vectors::vertex}) {
+        Light lamp = scene.lights[0];
+        lamp.directional = false;
+        lamp.attenuation = Attenuation::inverseSquare;
+        const TriangleMesh& mesh = scene.meshes[0];
+        lamp.position = vectors == Trade::Vectors::face ? glm::dvec3(scene.objects[0].worldFromObject * glm::dvec4(mesh.faceCentre[0], 1))
+                                                        : glm::dvec3(scene.objects[0].worldFromObject * glm::dvec4(mesh.positions[0], 1));
+        scene.lights = {lamp};
+        RenderRequest request = requestOf(kSoup);
+        request.trade.vectors = vectors;
+        for (const float x : both(scene, request).linear) ASSERT_FALSE(std::isnan(x));
     }
 }
 

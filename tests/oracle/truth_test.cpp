@@ -393,6 +393,25 @@ TEST(TruthError, OrdersTheShadings) {
         unlit, flat, gouraud, phong.picture.rms, phong.linear.max, phong.wrongPrimitive, phong.pixels);
 }
 
+// The fewer directions, the further from the truth, under a lamp that is near; faces are small here.
+TEST(TruthError, DirectionsOfVerticesFacesAndTheSceneCostInThisOrder) {
+    Scene scene = suzanne();
+    for (Light& light : scene.lights) {
+        light.directional = false;
+        light.position = scene.camera->eye + glm::dvec3(0.5, 0.5, 0);
+    }
+    RenderRequest request = requestOf(160, 120);
+    const Truth t = truthOf(scene, request);
+    using Vectors = Trade::Vectors;
+    double before = 0;
+    for (const Vectors vectors : {Vectors::pixel, Vectors::vertex, Vectors::face, Vectors::scene}) {
+        request.trade.vectors = vectors;
+        const double rms = errorOf(renderCpu(scene, request).frame, t, Encoding::srgb, false).linear.rms;
+        EXPECT_GT(rms, before) << int(vectors);
+        before = rms;
+    }
+}
+
 // The more accurate transforms gain where the products of float32 cancel: an object far from its own origin, near the eye.
 TEST(TruthError, LongTransformsGain) {
     Scene scene = suzanne();

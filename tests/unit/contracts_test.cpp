@@ -4,6 +4,7 @@
 #include "shared/fill.h"
 #include "shared/long_transform.h"
 #include "shared/shade.h"
+#include "shared/vectors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,6 +48,40 @@ TEST(CoarseDepth, IsTheNextMultipleAndNeverNothing) {
         EXPECT_EQ(realOf(coarseDepth(bitsOf(step), bits)), step);
         EXPECT_EQ(realOf(coarseDepth(bitsOf(std::nextafter(step, 1.0f)), bits)), 2 * step);
     }
+}
+
+// Unit vectors are within 9 u of their length, reciprocals of theirs; a few operations more (shade.h).
+constexpr float kFewUlp = 16 * 0x1p-24f;
+
+TEST(Vectors, ALampAtThePlaceShinesFromNowhere) {
+    for (const float attenuation : {0.0f, 1.0f, 2.0f}) {
+        const Toward at = lampFrom({1, 2, 3, 1}, attenuation, {1, 2, 3});
+        EXPECT_EQ(at.x, 0.0f);
+        EXPECT_EQ(at.fade, attenuation == 2 ? 0.0f : at.fade);
+        EXPECT_LT(at.fade, 0x1p100f);
+        const Toward beside = lampFrom({1, 2, 3, 1}, attenuation, {1, 2, 2.5f});
+        EXPECT_NEAR(beside.z, 1.0f, kFewUlp);
+        EXPECT_NEAR(beside.fade, std::exp2(attenuation), kFewUlp * std::exp2(attenuation));
+    }
+    EXPECT_EQ(lampFrom({0, 0, 1, 0}, 0, {5, 6, 7}).z, 1.0f) << "no place: the same direction from everywhere";
+}
+
+TEST(Vectors, PlacesAndSharesAreThoseOfTheProjection) {
+    // The pixel (x, y) at w = near / z: (rayOrigin + rayX x + rayY y) w.
+    const Place p = placeOfCorner(3 * 256 + 128, -256, 0.25f, 1.5f, {1, 2, 3}, {0.5f, 0, 0}, {0, 0.25f, 0});
+    const float tie = kFewUlp * 18;  // the largest of the three
+    EXPECT_NEAR(p.x, (1 + 0.5f * 3.5f) * 6, tie);
+    EXPECT_NEAR(p.y, (2 - 0.25f) * 6, tie);
+    EXPECT_NEAR(p.z, 18, tie);
+    // Edge values g1, g2, g0 belong to the corners 0, 1, 2.
+    const Shares s = sharesOf(1, 2, 1, 5, 10, 1);
+    EXPECT_NEAR(s.s0, 10.0f / 17, kFewUlp);
+    EXPECT_NEAR(s.s1, 2.0f / 17, kFewUlp);
+    EXPECT_NEAR(s.s2, 5.0f / 17, kFewUlp);
+    EXPECT_EQ(shared3({0.25f, 0.5f, 0.25f}, 4, 2, 8), 4.0f);
+    const Toward eye = eyeFrom({0, 3, -4});
+    EXPECT_NEAR(eye.y, -0.6f, kFewUlp);
+    EXPECT_NEAR(eye.z, 0.8f, kFewUlp);
 }
 
 Word64 wordOf(std::int64_t x) { return {int(x >> 32), uint(x)}; }
