@@ -21,8 +21,10 @@ import shlex
 import shutil
 import subprocess
 import sys
+import threading
 import time
 
+import compile_words
 import plants
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -42,9 +44,7 @@ class Build:
         self.source = {}   # object -> absolute path of its source
         for entry in json.loads(output_of("ninja", "-C", build, "-t", "compdb")):
             if entry["file"].endswith(".cpp") and " -c " in entry["command"]:
-                words = shlex.split(entry["command"])
-                # Without a compiler cache the command begins with the compiler.
-                self.compile[entry["output"]] = words
+                self.compile[entry["output"]] = compile_words.of_compiler(shlex.split(entry["command"]))
                 self.source[entry["output"]] = os.path.normpath(os.path.join(self.path, entry["file"]))
         self.users = collections.defaultdict(set)  # absolute path -> objects and raw modules made from it
         target = None
@@ -64,6 +64,23 @@ class Build:
                     for path in f.read().split(":", 1)[1].replace("\\\n", " ").split():
                         self.users[os.path.normpath(path)].add(raw)
         self.links = {}
+        self.headers, self.headers_lock = {}, threading.Lock()
+
+    def quick_words(self, name):
+        """Words that compile an object with little optimisation, but for source and output. GCC takes what was precompiled only with the
+        optimisation that it was precompiled with, so that is done once more."""
+        words, header = compile_words.without_precompiled(compile_words.without(self.compile[name], ("-MD", "-O3"), ("-o", "-MF", "-MT", "-c")))
+        words[1:1] = ["-O1"]
+        if not header:
+            return words
+        with self.headers_lock:
+            if header not in self.headers:
+                folder = os.path.join(self.path, "plants", f"headers{len(self.headers)}")
+                os.makedirs(folder, exist_ok=True)
+                made = shutil.copy(header, folder)
+                subprocess.run(words + ["-w", "-x", "c++-header", "-o", made + ".gch", "-c", made], cwd=self.path, check=True)
+                self.headers[header] = made
+        return words + ["-include", self.headers[header]]
 
     def command_of(self, target):
         """Words of the command that makes a target; CMake writes `: && COMMAND && :` or `cd FOLDER && COMMAND && ...`."""
@@ -120,14 +137,8 @@ class Worker:
 
     def compiled(self, name, source):
         out = os.path.join(self.out, name.replace("/", "_"))
-        words, skip = [], False
-        for word in self.build.compile[name]:
-            if skip or word in ("-o", "-MF", "-MT", "-c"):
-                skip = not skip
-            elif word not in ("-MD", "-O3"):
-                words.append(word)
-        at = next(i for i, word in enumerate(words) if word.startswith("-"))  # after the compiler
-        words[at:at] = ["-O1", "-iquote", self.overlay, "-iquote", os.path.join(self.overlay, "shaders")]
+        words = self.build.quick_words(name)
+        words[1:1] = ["-iquote", self.overlay, "-iquote", os.path.join(self.overlay, "shaders")]
         self.call(words + ["-o", out, "-c", source])
         return out
 

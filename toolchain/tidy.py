@@ -9,10 +9,11 @@ import concurrent.futures
 import hashlib
 import json
 import os
-import re
 import shlex
 import subprocess
 import sys
+
+import compile_words
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 OWN = ("host/", "pipeline/", "tests/", "toolchain/")
@@ -31,16 +32,8 @@ def units(build):
         source = os.path.normpath(os.path.join(build, entry["file"]))
         if not source.endswith(".cpp") or not inside(source) or " -c " not in entry["command"]:
             continue
-        words = shlex.split(entry["command"])
-        while words and not re.search(r"(c\+\+|g\+\+|clang\+\+)[-\w.]*$", words[0]):
-            words.pop(0)
-        arguments, skip = [], False
-        for word in words[1:]:
-            if skip or word in ("-o", "-MF", "-MT"):
-                skip = not skip
-            elif word not in ("-MD", "-c", source, entry["file"]):
-                arguments.append(word)
-        found[entry["output"]] = (source, arguments)
+        words, _ = compile_words.without_precompiled(compile_words.of_compiler(shlex.split(entry["command"])))
+        found[entry["output"]] = (source, compile_words.without(words[1:], ("-MD", "-c", source, entry["file"]), ("-o", "-MF", "-MT")))
     return found
 
 

@@ -23,6 +23,7 @@ function(plumb_shader target stem)
     OUTPUT ${dir}/${name}.h ${dir}/${name}.cpp ${dir}/${name}.spv
     COMMAND plumb_spirv_embed ${name} ${dir}/${name}.raw.spv ${dir}/${name}.spv ${dir}/${name}.h ${dir}/${name}.cpp
     DEPENDS plumb_spirv_embed ${dir}/${name}.raw.spv VERBATIM COMMENT "embed ${name}")
+  set_source_files_properties(${dir}/${name}.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
   target_sources(${target} PRIVATE ${dir}/${name}.h)
   get_target_property(type ${target} TYPE)
   if(type STREQUAL "INTERFACE_LIBRARY")
