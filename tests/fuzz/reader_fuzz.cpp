@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One reader (PLUMB_FUZZ_EXTENSION) on hostile bytes, from the file to a small picture by the twin. Anything but a picture
+// One reader (fuzzedExtension; of a libFuzzer program PLUMB_FUZZ_EXTENSION) on hostile bytes, from the file to a small picture by the twin. Anything but a picture
 // without NaN or a refusal with one clear line is a finding; memory faults are the sanitizers' to find.
 // Bytes after a line "%%second file%%" are the file that the first may refer to (a material library, a mesh).
 #include "host/error.h"
@@ -17,9 +17,13 @@
 #include <unistd.h>
 #include <utility>
 
+#ifndef PLUMB_FUZZ_EXTENSION
+#define PLUMB_FUZZ_EXTENSION ""
+#endif
+std::string_view fuzzedExtension = PLUMB_FUZZ_EXTENSION;  // of the file that is read: "obj"
+
 namespace {
 
-constexpr std::string_view kExtension = PLUMB_FUZZ_EXTENSION;
 constexpr std::string_view kSplit = "\n%%second file%%\n";
 constexpr uint64_t kMostTriangles = 20000;  // more take the twin long and find nothing new in a reader
 
@@ -72,7 +76,7 @@ void draw(plumb::Scene scene, bool bareMesh) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const std::string_view bytes(reinterpret_cast<const char*>(data), size);
     const size_t split = bytes.find(kSplit);
-    const std::string path = write((std::string("fuzz.") + std::string(kExtension)).c_str(), bytes.substr(0, split));
+    const std::string path = write((std::string("fuzz.") + std::string(fuzzedExtension)).c_str(), bytes.substr(0, split));
     if (split != std::string_view::npos) write("second.obj", bytes.substr(split + kSplit.size()));
     bool loaded = false;
     try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Runs a fuzz target without libFuzzer: every seed of a folder whole, cut at every byte (long ones: at 400 places), and MUTATIONS times
-// changed by a fixed sequence of numbers, so that a plain run repeats itself. usage: PROGRAM FOLDER MUTATIONS
+// changed by a fixed sequence of numbers, so that a plain run repeats itself. usage: PROGRAM FOLDER MUTATIONS; the folder's name says which reader.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -10,9 +10,11 @@
 #include <iterator>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
+extern std::string_view fuzzedExtension;
 
 namespace {
 
@@ -42,6 +44,8 @@ std::string mutated(std::string bytes, std::mt19937& random) {
 
 int main(int argc, char** argv) {
     if (argc != 3) return std::fputs("usage: PROGRAM FOLDER MUTATIONS\n", stderr), 2;
+    const std::string extension = std::filesystem::path(argv[1]).filename().string();
+    fuzzedExtension = extension;
     std::vector<std::filesystem::path> seeds;
     for (const auto& entry : std::filesystem::directory_iterator(argv[1])) seeds.push_back(entry.path());
     std::sort(seeds.begin(), seeds.end());
