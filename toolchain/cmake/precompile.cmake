@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-# The standard library, fmt and GoogleTest, parsed once a tree instead of once a unit, for trees that build the tests: most units are parsed longer
+# The standard library, fmt, GLM and GoogleTest, parsed once a tree instead of once a unit, for trees that build the tests: most units are parsed longer
 # than they are compiled (docs/tests.md). The preset `release` goes without, so that a unit that forgets an include of its own is found there.
 option(PLUMB_PRECOMPILE "Precompile the headers of libraries" OFF)
 
 # Little but what nearly every unit needs: a unit pays for loading all of it.
-set(plumb_common <algorithm> <array> <cmath> <cstdint> <cstring> <functional> <optional> <span> <string> <string_view> <utility> <vector> <fmt/format.h>)
+set(plumb_common <algorithm> <array> <cmath> <cstdint> <cstring> <functional> <optional> <span> <string> <string_view> <utility> <vector> <fmt/core.h> <glm/glm.hpp>)
 
 # plumb_parsed(NAME LIBRARIES ... HEADERS ... OPTIONS ...): what targets compiled with the same options may share.
 function(plumb_parsed name)
@@ -39,10 +39,10 @@ endfunction()
 
 if(PLUMB_PRECOMPILE)
   add_compile_options(-fpch-preprocess)  # for ccache
-  plumb_parsed(plumb_parsed_rooms LIBRARIES fmt::fmt HEADERS ${plumb_common})
+  plumb_parsed(plumb_parsed_rooms LIBRARIES fmt::fmt glm::glm HEADERS ${plumb_common})
   if(PLUMB_TESTS)
     find_package(GTest REQUIRED)
-    plumb_parsed(plumb_parsed_tests LIBRARIES fmt::fmt GTest::gtest HEADERS ${plumb_common} <gtest/gtest.h> OPTIONS ${PLUMB_TEST_OPTIONS})
+    plumb_parsed(plumb_parsed_tests LIBRARIES fmt::fmt glm::glm GTest::gtest HEADERS ${plumb_common} <gtest/gtest.h> OPTIONS ${PLUMB_TEST_OPTIONS})
     set_target_properties(plumb_parsed_tests PROPERTIES POSITION_INDEPENDENT_CODE OFF)
     target_compile_options(plumb_parsed_tests PRIVATE -fPIE)  # as programs are
   endif()
