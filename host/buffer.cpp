@@ -3,7 +3,7 @@
 
 #include "host/vulkan.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <fstream>

@@ -2,7 +2,7 @@
 // Which device is used and why: the words of --device and --require-device over a list of devices.
 #include "host/vulkan.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cctype>

@@ -4,7 +4,7 @@
 
 #include "host/selftest.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <bit>

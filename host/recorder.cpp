@@ -4,7 +4,7 @@
 #include "host/vulkan.h"
 #include "shared/status.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>

@@ -8,7 +8,7 @@
 #include <spirv/canary.h>
 #include <spirv/selftest.h>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <cfloat>

@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <limits>
 
 namespace plumb {

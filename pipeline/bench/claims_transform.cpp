@@ -6,7 +6,7 @@
 
 #include "host/error.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <cfloat>
 #include <cstring>

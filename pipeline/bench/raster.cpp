@@ -6,7 +6,7 @@
 #include "pipeline/render/prepare.h"
 
 #include <cstring>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <bench_spirv/baseline_frag.h>
 #include <bench_spirv/baseline_vert.h>

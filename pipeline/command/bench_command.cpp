@@ -15,7 +15,7 @@
 #include "pipeline/scene/text.h"
 
 #include <charconv>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 namespace {

@@ -4,7 +4,7 @@
 #include "pipeline/command/renderer.h"
 #include "pipeline/scene/text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 namespace {

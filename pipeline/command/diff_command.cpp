@@ -8,7 +8,7 @@
 #include "pipeline/image/image.h"
 #include "pipeline/scene/text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/command/error_report.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 namespace {

@@ -5,7 +5,7 @@
 #include "pipeline/scene/text.h"
 #include "pipeline/transform/vector.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <charconv>
 
 namespace plumb {

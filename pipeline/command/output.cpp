@@ -5,7 +5,7 @@
 #include "pipeline/image/image.h"
 
 #include <cstdio>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 

@@ -4,7 +4,7 @@
 #include "pipeline/command/interrupt.h"
 
 #include <chrono>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 

@@ -11,7 +11,7 @@
 
 #include <chrono>
 #include <cstdlib>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 namespace {

@@ -6,7 +6,7 @@
 #include "pipeline/scene/text.h"
 
 #include <charconv>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <glm/gtc/matrix_transform.hpp>
 
 namespace plumb {

@@ -2,7 +2,7 @@
 // Layers of two files in one form, and colours as they are seen.
 #include "pipeline/compare/metrics.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 

@@ -8,7 +8,7 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <cstring>
 #include <map>

@@ -3,7 +3,7 @@
 #include "pipeline/compare/picture.h"
 #include "pipeline/scene/text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <half.h>
 #include <array>
 #include <bit>

@@ -3,7 +3,7 @@
 #include "pipeline/scene/sha256.h"
 #include "pipeline/scene/text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <span>
 
 namespace plumb {

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <mutex>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -5,7 +5,7 @@
 
 #include <bit>
 #include <cstring>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 

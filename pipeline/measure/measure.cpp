@@ -4,7 +4,7 @@
 #include "host/error.h"
 #include "pipeline/measure/pareto.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "host/error.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 
 namespace plumb {

@@ -5,7 +5,7 @@
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/parallel.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 
 namespace plumb {

@@ -6,7 +6,7 @@
 #include "shaders/shared/fill.h"
 #include "shaders/shared/shade.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>

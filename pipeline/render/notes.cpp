@@ -8,7 +8,7 @@
 #include "pipeline/render/polygons.h"
 #include "pipeline/render/stopwatch.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <optional>

@@ -5,7 +5,7 @@
 #include "pipeline/passes/parallel.h"
 #include "pipeline/render/stopwatch.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/trace_samples.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <chrono>
 

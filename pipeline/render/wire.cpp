@@ -6,7 +6,7 @@
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/stopwatch.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 

@@ -4,7 +4,7 @@
 #include "host/error.h"
 
 #include <algorithm>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unordered_map>
 
 namespace plumb {

@@ -10,7 +10,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <limits>
 
 namespace plumb {

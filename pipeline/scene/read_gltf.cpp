@@ -13,7 +13,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>

@@ -3,7 +3,7 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 namespace {

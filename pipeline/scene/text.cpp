@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <limits>
 #include <sys/stat.h>
 #include <unistd.h>

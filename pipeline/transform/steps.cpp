@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/transform/steps.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 namespace {

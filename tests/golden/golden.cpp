@@ -2,7 +2,7 @@
 #include "tests/golden/golden.h"
 
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

@@ -11,7 +11,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/twin/scanline_support.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <fstream>
 #include <map>
 #include <optional>

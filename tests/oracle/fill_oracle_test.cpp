@@ -11,7 +11,7 @@
 #include "tests/oracle/screen_scene.h"
 
 #include <cmath>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <random>
 
 namespace plumb {

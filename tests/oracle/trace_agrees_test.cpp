@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstdio>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 namespace plumb::test {

@@ -8,7 +8,7 @@
 #include "tests/oracle/screen_scene.h"
 #include "tests/support/scenes.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <cmath>
 
 namespace plumb {

@@ -9,7 +9,7 @@
 #include "tests/support/temporary_folder.h"
 
 #include <cmath>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <random>
 
 namespace plumb {

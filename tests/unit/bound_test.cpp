@@ -6,7 +6,7 @@
 #include "pipeline/truth/frame_error.h"
 #include "tests/support/ray_scenes.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include "pipeline/cli/options.h"
 #include "pipeline/cli/progress.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <sstream>
 

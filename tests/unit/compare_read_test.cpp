@@ -11,7 +11,7 @@
 #include <ImfOutputFile.h>
 #include <ImfPartType.h>
 #include <ImfTiledOutputFile.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <half.h>
 #include <png.h>

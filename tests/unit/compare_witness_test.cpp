@@ -2,7 +2,7 @@
 // The committed pairs against what other programs said about them (tests/data/compare/make_witness.py).
 #include "pipeline/compare/compare.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <fstream>
 #include <nlohmann/json.hpp>

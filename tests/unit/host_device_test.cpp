@@ -8,7 +8,7 @@
 #include "shared/exact.h"
 #include "tests/support/temporary_folder.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <spirv/canary.h>
 #include <spirv/host_add.h>

@@ -5,7 +5,7 @@
 
 #include <bit>
 #include <cmath>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <map>
 #include <random>

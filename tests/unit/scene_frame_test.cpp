@@ -7,7 +7,7 @@
 #include "tests/support/temporary_folder.h"
 
 #include <cmath>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace plumb {
 namespace {

@@ -9,7 +9,7 @@
 #include <bit>
 #include <chrono>
 #include <cstring>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <functional>
 #include <map>
 #include <sys/mman.h>

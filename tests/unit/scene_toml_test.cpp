@@ -5,7 +5,7 @@
 #include "pipeline/scene/load.h"
 #include "tests/support/temporary_folder.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <functional>
 #include <glm/gtc/matrix_access.hpp>
 #include <set>
