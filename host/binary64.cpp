@@ -7,7 +7,7 @@
 
 #include <spirv/selftest_double.h>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <bit>
 

@@ -4,7 +4,7 @@
 
 #include "host/error.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include "pipeline/passes/transform.h"
 
 #include <algorithm>
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <utility>
 
 namespace plumb {

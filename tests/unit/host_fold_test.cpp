@@ -6,7 +6,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <spirv/host_add.h>
 #include <spirv/host_reflect.h>
