@@ -34,6 +34,12 @@ private:
     Exit exit_;
 };
 
+// A shader's loops took more steps than the device gives an invocation (lavapipe: 65,535): the work is to be cut smaller, if it can be.
+class LoopBudgetError : public Error {
+public:
+    explicit LoopBudgetError(const std::string& message) : Error(Exit::failed, message) {}
+};
+
 // The user's input is refused: `place` is "file:line:column", "file: byte N" or "file: /json/pointer".
 inline Error inputError(const std::string& place, const std::string& message) {
     return Error(Exit::input, place + ": " + message);

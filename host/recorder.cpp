@@ -273,7 +273,7 @@ void RecorderImpl::check() const {
         if (!command.counted) continue;
         const gpu::StatusSlot& slot = status(command.slot);
         if (slot.fault & gpu::kFaultLoop)
-            throw renderError(
+            throw LoopBudgetError(
                 fmt::format("{}: a loop stopped before its end (loop budget of the device)", command.label));
         if (slot.fault & gpu::kFaultRange)
             throw renderError(fmt::format("{}: a value left the range that its contract states", command.label));

@@ -59,9 +59,7 @@ public:
         }
         // A ray opens some hundred nodes of a tree, a node costs as much as an object.
         const uint64_t work = steps + (traced_.nodes.empty() ? 0 : kUsualNodes * (1 + traced_.lights.size()));
-        if (choices_.list)
-            mostSamples_ =
-                std::max<uint64_t>(kLeastSamples, kWaitingBytes / (4ull * gpu::kWaitingWords * push_.maxDepth));
+        if (choices_.list) mostSamples_ = listedSamples();
         samples_ = std::clamp<uint64_t>(kFirstWork / (work * std::min<uint64_t>(push_.maxDepth, kUsualRays)),
                                         kLeastSamples, mostSamples_);
         choices_.lanes = device.limits().subgroupShuffle ? device.limits().subgroupSize : 0;
@@ -140,9 +138,9 @@ private:
         put(buffers_.pixels, std::vector<uint32_t>(1), "pixels to refine");
         buffers_.counters.reserve(device_, gpu::kCounters, "ray counters");
         buffers_.counters.fill(0);
-        const uint64_t samples = choices_.list ? mostSamples_ : 1;
-        buffers_.waiting.reserve(device_, samples * gpu::kWaitingWords * push_.maxDepth, "waiting rays");
-        buffers_.states.reserve(device_, samples * gpu::kStateWords, "states of samples");
+        if (choices_.list) return reserveList();
+        buffers_.waiting.reserve(device_, 1, "waiting rays");
+        buffers_.states.reserve(device_, 1, "states of samples");
     }
 
     void band(uint32_t firstRow, uint32_t rows) {
@@ -189,22 +187,52 @@ private:
             const uint32_t tileRows = 2 * samplesOfInvocation(push, traced_, choices);
             if (choices.tiles) push.itemCount = (push.width + 3) / 4 * ((push.tileRows + tileRows - 1) / tileRows) * 8;
             push.first = 1;
-            double longestMs = 0;
-            for (uint32_t unfinished = 1; unfinished != 0; push.first = 0) {
-                reportTrace(request_, double(at) / all);
-                recordTrace(recorder_, push, traced_, choices, exact_, buffers_);
-                const auto start = std::chrono::steady_clock::now();
-                recorder_.run(request_.watchdogMs);
-                longestMs = std::max(
-                    longestMs,
-                    std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-                const std::span<uint32_t> words = buffers_.counters.span();
-                unfinished = words[gpu::kCountUnfinished];
-                for (size_t i = 0; i < counters_.size(); ++i) counters_[i] += words[i];
+            reportTrace(request_, double(at) / all);
+            const std::vector<uint64_t> counted = counters_;
+            try {
+                adapt(dispatches(push, choices), count);
+            } catch (const LoopBudgetError&) {
+                if (!shorten(push, choices)) throw;
+                counters_ = counted;
                 buffers_.counters.fill(0);
+                count = 0;
             }
-            adapt(longestMs, count);
         }
+    }
+    // From the eye until no sample has a ray waiting. Milliseconds of the longest dispatch.
+    double dispatches(gpu::TracePush& push, const TraceChoices& choices) {
+        double longestMs = 0;
+        for (uint32_t unfinished = 1; unfinished != 0; push.first = 0) {
+            recordTrace(recorder_, push, traced_, choices, exact_, buffers_);
+            const auto start = std::chrono::steady_clock::now();
+            recorder_.run(request_.watchdogMs);
+            longestMs = std::max(
+                longestMs, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+            const std::span<uint32_t> words = buffers_.counters.span();
+            unfinished = words[gpu::kCountUnfinished];
+            for (size_t i = 0; i < counters_.size(); ++i) counters_[i] += words[i];
+            buffers_.counters.fill(0);
+        }
+        return longestMs;
+    }
+    // How many steps the walks of a path take together is not known before. Where they were too many, a sample follows fewer rays in a
+    // dispatch from here on, and the others wait in its list; false where it follows one already, or keeps whole paths.
+    bool shorten(gpu::TracePush& push, TraceChoices& choices) {
+        if (choices.cutLevels || (choices.list && push.rayLimit == 1)) return false;
+        push_.rayLimit = push.rayLimit = std::max(1u, std::min(push.rayLimit, kListedRaysPerDispatch) / 2);
+        choices_.list = choices.list = true;
+        choices.tiles = false;
+        reserveList();
+        samples_ = std::min(samples_, mostSamples_);
+        return true;
+    }
+    uint64_t listedSamples() const {
+        return std::max<uint64_t>(kLeastSamples, kWaitingBytes / (4ull * gpu::kWaitingWords * push_.maxDepth));
+    }
+    void reserveList() {
+        mostSamples_ = listedSamples();
+        buffers_.waiting.reserve(device_, mostSamples_ * gpu::kWaitingWords * push_.maxDepth, "waiting rays");
+        buffers_.states.reserve(device_, mostSamples_ * gpu::kStateWords, "states of samples");
     }
     // The first dispatch of a kernel has it compiled and says nothing about its samples.
     void adapt(double longestMs, uint64_t count) {
