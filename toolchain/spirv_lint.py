@@ -29,7 +29,7 @@ NATIVE, NATIVE_EXT = "nativePow", 26
 NATIVE_CALLERS = ("nativePower", "encodeNative")
 
 DOUBLE, DOUBLE_EXT, F_CONVERT = "rowTimesDouble", 59, 115
-DOUBLE_CALLERS = ("doubleClip", "timesVectorDouble")
+DOUBLE_CALLERS = ("doubleClip",)
 
 EXACT = {129: "OpFAdd", 131: "OpFSub", 133: "OpFMul", 142: "OpVectorTimesScalar"}
 SEED_OPS = {136: "OpFDiv"}

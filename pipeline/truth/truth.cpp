@@ -113,14 +113,18 @@ void drawBands(const RenderRequest& request, Truth& out, const Make& make) {
     std::atomic<bool> stop{false};
     std::exception_ptr failure;
     std::mutex adding;
+    const auto report = [&](uint32_t done) {
+        if (request.onProgress && !request.onProgress(double(done) / bands))
+            throw Error(Exit::interrupted, "interrupted");
+    };
     const auto work = [&](bool reports) {
         try {
+            if (reports) report(finished);  // the others may take all bands before this thread gets one
             auto band = make();
             for (uint32_t b; !stop && (b = next.fetch_add(1)) < bands;) {
                 band.draw(b * kBandRows, std::min(kBandRows, out.height - b * kBandRows));
                 const uint32_t done = finished.fetch_add(1) + 1;
-                if (reports && request.onProgress && !request.onProgress(double(done) / bands))
-                    throw Error(Exit::interrupted, "interrupted");
+                if (reports) report(done);
             }
             const std::lock_guard lock(adding);
             band.addTo(out);

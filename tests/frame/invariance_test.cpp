@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cfenv>
-#include <filesystem>
 #ifdef __SSE2__
 #include <xmmintrin.h>
 #endif
@@ -80,6 +79,7 @@ TEST_F(Frames, AreEqualWithEveryTrade) {
     trades[13].vectors = Trade::Vectors::vertex;
     for (const SceneCase& row : {kSoup, kInside})
         for (const Shading shading : {Shading::flat, Shading::gouraud, Shading::phong}) {
+            if (row.build == kInside.build && shading != Shading::phong) continue;  // each is a kernel to compile
             const Scene scene = row.scene();
             const Frame plain = both(scene, requestOf(row, shading));
             for (size_t t = 0; t < trades.size(); ++t) {
@@ -572,44 +572,6 @@ TEST_F(Metamorphic, AddingWhatIsNotSeen) {
         expectSameFrame(want, both(more, kept));
     }
 }
-
-// Every committed scene and mesh.
-std::vector<std::string> committedScenes() {
-    std::vector<std::string> found;
-    const std::filesystem::path root = std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes";
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
-        const std::string extension = entry.path().extension();
-        for (const char* known : {".toml", ".obj", ".ply", ".stl", ".off", ".gltf", ".glb"})
-            if (entry.is_regular_file() && extension == known) found.push_back(std::filesystem::relative(entry.path(), root));
-    }
-    std::sort(found.begin(), found.end());
-    return found;
-}
-
-class Committed : public OnDevice<::testing::TestWithParam<std::string>> {};
-
-TEST_P(Committed, PassesVerify) {
-    const std::filesystem::path path = std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes" / GetParam();
-    for (const glm::uvec2 size : {glm::uvec2(333, 211)}) {
-        SCOPED_TRACE(fmt::format("{}x{}", size.x, size.y));
-        const Scene scene = committed(path, size);
-        RenderRequest request;
-        request.width = size.x;
-        request.height = size.y;
-        request.shading = scene.shading.value_or(Shading::phong);
-        request.fill = scene.fill.value_or(Fill::exact);
-        const VerifyReport report = verifyRender(device(), scene, request);
-        for (const Mismatch& m : report.mismatches) ADD_FAILURE() << m.pass << (m.chain ? " (chain): " : ": ") << m.what;
-        EXPECT_TRUE(report.equal);
-        EXPECT_GT(report.twin.frame.coveredPixels, 0u) << "an empty picture shows nothing";
-    }
-}
-
-INSTANTIATE_TEST_SUITE_P(Scenes, Committed, ::testing::ValuesIn(committedScenes()), [](const auto& info) {
-    std::string name = info.param;
-    std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-    return name;
-});
 
 }  // namespace
 }  // namespace plumb::test

@@ -351,6 +351,23 @@ TEST(HitTriangle, IsMetFromBothSidesInsideAndOnItsEdges) {
     EXPECT_EQ(hitTriangle(f, {-far, -far, far}, {3 * far, -far, far}, {-far, 3 * far, far}, false).t, 0.0f);
 }
 
+// A ray through the triangle's box is not enough: beyond each edge in turn, behind its origin, and further than anything is hit.
+TEST(HitTriangle, IsMissedWithinItsBox) {
+    const RayFrame f = frameOfRay(vec3(0), kZ, 10);
+    const vec3 corner[3] = {{-2.5f, -2.5f, 10}, {1.5f, -2.5f, 10}, {-2.5f, 1.5f, 10}};  // the ray passes beyond the longest edge
+    for (int k = 0; k < 3; ++k) {
+        const vec3 &a = corner[k], &b = corner[(k + 1) % 3], &c = corner[(k + 2) % 3];
+        EXPECT_EQ(hitTriangle(f, a, b, c, false).t, 0.0f) << k;
+        EXPECT_EQ(hitTriangle(f, c, b, a, false).t, 0.0f) << k;
+    }
+    // Met at half of the first corner's z and a quarter of both others'.
+    const auto leaning = [&](float z0, float z1) { return hitTriangle(f, {-1, -1, z0}, {3, -1, z1}, {-1, 3, z1}, false).t; };
+    EXPECT_EQ(leaning(-3, 5), 1.0f);
+    EXPECT_EQ(leaning(-5, 3), 0.0f);
+    EXPECT_EQ(leaning(0.5f * kFarthestHit, 1.25f * kFarthestHit), 0.875f * kFarthestHit);
+    EXPECT_EQ(leaning(0.5f * kFarthestHit, 2.5f * kFarthestHit), 0.0f);
+}
+
 // The box of a triangle holds all three corners, whichever is the least or the greatest.
 TEST(HitTriangle, IsNotEnteredLate) {
     const vec3 corner[3] = {{-1, -1, 10}, {3, 0.5f, 10}, {0.2f, 3, 10}};
