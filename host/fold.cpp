@@ -3,6 +3,7 @@
 #include "host/fold.h"
 
 #include "host/error.h"
+#include "host/spirv_words.h"
 
 #include <fmt/core.h>
 
@@ -14,69 +15,7 @@ namespace plumb {
 
 namespace {
 
-enum Op : uint32_t {
-    kOpSourceContinued = 2,
-    kOpSource = 3,
-    kOpSourceExtension = 4,
-    kOpName = 5,
-    kOpMemberName = 6,
-    kOpString = 7,
-    kOpLine = 8,
-    kOpEntryPoint = 15,
-    kOpTypeVoid = 19,
-    kOpTypeBool = 20,
-    kOpTypeInt = 21,
-    kOpTypeFunction = 33,
-    kOpConstantTrue = 41,
-    kOpConstantFalse = 42,
-    kOpConstant = 43,
-    kOpSpecConstantTrue = 48,
-    kOpSpecConstantFalse = 49,
-    kOpSpecConstant = 50,
-    kOpSpecConstantOp = 52,
-    kOpFunction = 54,
-    kOpFunctionEnd = 56,
-    kOpFunctionCall = 57,
-    kOpVariable = 59,
-    kOpDecorate = 71,
-    kOpMemberDecorate = 72,
-    kOpIAdd = 128,
-    kOpISub = 130,
-    kOpIMul = 132,
-    kOpLogicalEqual = 164,
-    kOpLogicalNotEqual = 165,
-    kOpLogicalOr = 166,
-    kOpLogicalAnd = 167,
-    kOpLogicalNot = 168,
-    kOpSelect = 169,
-    kOpIEqual = 170,
-    kOpINotEqual = 171,
-    kOpUGreaterThan = 172,
-    kOpSGreaterThan = 173,
-    kOpUGreaterThanEqual = 174,
-    kOpSGreaterThanEqual = 175,
-    kOpULessThan = 176,
-    kOpSLessThan = 177,
-    kOpULessThanEqual = 178,
-    kOpSLessThanEqual = 179,
-    kOpShiftRightLogical = 194,
-    kOpShiftLeftLogical = 196,
-    kOpBitwiseOr = 197,
-    kOpBitwiseXor = 198,
-    kOpBitwiseAnd = 199,
-    kOpPhi = 245,
-    kOpLoopMerge = 246,
-    kOpSelectionMerge = 247,
-    kOpLabel = 248,
-    kOpBranch = 249,
-    kOpBranchConditional = 250,
-    kOpSwitch = 251,
-    kOpNoLine = 317,
-    kOpModuleProcessed = 330,
-    kOpDecorateId = 332,
-};
 constexpr uint32_t kDecorationSpecId = 1;
-constexpr size_t kHeaderWords = 5;
 constexpr uint32_t kMostNames = 4194304;  // 2.17, universal limits
 
 using Words = std::span<const uint32_t>;
@@ -210,7 +149,7 @@ private:
     Value known(Words in, size_t word) const { return word < in.size() && in[word] < names_ ? known_[in[word]] : std::nullopt; }
 
     void readGlobals(const Specialization& constants) {
-        if (words_.size() < kHeaderWords || words_[0] != 0x07230203u) fail("no header");
+        if (words_.size() < kHeaderWords || words_[0] != kSpirvMagic) fail("no header");
         names_ = words_[3];
         if (names_ > kMostNames) fail("more ids than the specification allows");
         isType_.resize(names_);

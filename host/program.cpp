@@ -2,6 +2,7 @@
 // Reflection of SPIR-V words and the pipelines made from them.
 // SPIR-V 1.5 specification: 2.3 physical layout, 3.32 instructions, 3.20 decorations.
 #include "host/fold.h"
+#include "host/spirv_words.h"
 #include "host/vulkan.h"
 
 #include <fmt/format.h>
@@ -14,32 +15,6 @@ namespace plumb {
 
 namespace {
 
-enum Op : uint32_t {
-    kOpName = 5,
-    kOpEntryPoint = 15,
-    kOpExecutionMode = 16,
-    kOpTypeInt = 21,
-    kOpTypeFloat = 22,
-    kOpTypeVector = 23,
-    kOpTypeMatrix = 24,
-    kOpTypeImage = 25,
-    kOpTypeSampledImage = 27,
-    kOpTypeArray = 28,
-    kOpTypeRuntimeArray = 29,
-    kOpTypeStruct = 30,
-    kOpTypePointer = 32,
-    kOpConstant = 43,
-    kOpConstantComposite = 44,
-    kOpSpecConstantTrue = 48,
-    kOpSpecConstantFalse = 49,
-    kOpSpecConstant = 50,
-    kOpSpecConstantComposite = 51,
-    kOpFunction = 54,
-    kOpVariable = 59,
-    kOpDecorate = 71,
-    kOpMemberDecorate = 72,
-    kOpExecutionModeId = 331,
-};
 enum Decoration : uint32_t {
     kSpecId = 1,
     kBufferBlock = 3,
@@ -95,9 +70,9 @@ private:
     }
 
     void index() {
-        if (words_.size() < 5 || words_[0] != 0x07230203u) fail("no SPIR-V header");
+        if (words_.size() < kHeaderWords || words_[0] != kSpirvMagic) fail("no SPIR-V header");
         size_t entryPoints = 0;
-        for (size_t at = 5; at < words_.size();) {
+        for (size_t at = kHeaderWords; at < words_.size();) {
             const uint32_t op = words_[at] & 0xffffu, count = words_[at] >> 16;
             if (count == 0 || at + count > words_.size()) fail(fmt::format("truncated at word {}", at));
             const Instruction in = words_.subspan(at, count);

@@ -67,9 +67,12 @@ bool GpuFrame::fitsWhole(uint32_t planes) const {
     return geometry <= budget && std::min(held, device_.memoryBudgetBytes() / 2) <= budget - geometry;
 }
 
+bool GpuFrame::lightsInWindows() const {
+    return prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > lightsPerWindow(prepared_.choices);
+}
+
 uint32_t GpuFrame::withSum(uint32_t planes) const {
-    const bool windows = prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > lightsPerWindow(prepared_.choices);
-    return planes | (windows ? gpu::kFillPlaneSum : 0u);
+    return planes | (lightsInWindows() ? gpu::kFillPlaneSum : 0u);
 }
 
 uint32_t GpuFrame::bandRows(uint32_t planes) const {
@@ -293,7 +296,7 @@ FillChoices GpuFrame::onDevice(FillChoices choices) const {
 
 void GpuFrame::prepare(FillChoices choices, uint32_t planes) {
     planes_ = withSum(planes);
-    if (prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > lightsPerWindow(prepared_.choices)) return;  // several pipelines
+    if (lightsInWindows()) return;  // several pipelines
     prepareFill(recorder_, onDevice(choices), prepared_.list.towardViewer != glm::vec3(0), exact_);
 }
 

@@ -81,6 +81,7 @@ private:
     void sortLarge();
     void recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push, const FillChoices& choices);
     FillChoices onDevice(FillChoices choices) const;
+    bool lightsInWindows() const;  // more lights than one dispatch adds up
     uint32_t withSum(uint32_t planes) const;  // and the sum of the lights, where they come in windows
     void checkFits(const char* what, uint64_t count, uint64_t elementBytes) const;
 
