@@ -129,7 +129,7 @@ def error_text(report, why):
 STYLE = """
 :root { color-scheme: light dark; --line: #8884; --dim: #777; }
 body { font: 16px/1.45 system-ui, sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
-main { display: grid; grid-template-columns: repeat(auto-fill, minmax(20rem, 1fr)); gap: 1.5rem; }
+main { display: grid; grid-auto-flow: dense; grid-template-columns: repeat(auto-fill, minmax(20rem, 1fr)); gap: 1.5rem; }
 article { border: 1px solid var(--line); border-radius: 6px; padding: .8rem; overflow-wrap: anywhere; }
 article.pair { grid-column: span 2; }
 @media (max-width: 46rem) { article.pair { grid-column: auto; } }
@@ -190,7 +190,8 @@ def make(plumb, out, size, sheet):
             "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src 'self' file:; style-src 'unsafe-inline'\">"
             f"<title>Plumbline: gallery of the lecture notes</title><style>{STYLE}</style></head><body><h1>Gallery of the lecture notes, parts 1 to 3</h1>"
             f"<p>{len(cells)} pictures of {len(rows)} systems, drawn by {html.escape(device)} from the committed scene files by <code>toolchain/gallery.sh</code>. A time is that of one run and no "
-            "measurement: where a shader is compiled for the first time, it is in it. The truth is Phong shading with perspective in binary64, whatever the picture's own shading is.</p>"
+            "measurement: where a shader is compiled for the first time, it is in it. The truth is Phong shading with perspective in binary64, whatever the picture's own shading is, and knows no "
+            "shadows; of a traced picture it is traced, of the 20 spheres their formula without rounding.</p>"
             f"<main>{''.join(articles)}</main></body></html>\n")
     with open(os.path.join(out, "index.html"), "w", encoding="utf-8") as file:
         file.write(page)

@@ -98,6 +98,30 @@ void writePicture(const std::vector<OutputFile>& files, const Frame& frame, cons
     }
 }
 
+std::string counted(uint64_t count, const char* thing) { return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s"); }
+
+std::string contentOf(const Scene& scene, const RenderCounters& counters) {
+    std::vector<std::string> parts;
+    if (!scene.objects.empty()) parts.push_back(counted(counters.triangles, "triangle"));
+    if (!scene.spheres.empty()) parts.push_back(counted(scene.spheres.size(), "sphere"));
+    if (!scene.planes.empty()) parts.push_back(counted(scene.planes.size(), "plane"));
+    return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string namesOf(const std::vector<OutputFile>& files) {
+    std::vector<std::string> names;
+    for (const OutputFile& file : files) names.push_back(printable(file.path));
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// Of a picture without a covered pixel: the reason that can be told from what was counted.
+std::string whyNothing(const RenderCounters& counters) {
+    const uint64_t faces = counters.polygons != 0 ? counters.polygons : counters.triangles;
+    if (counters.objects != 0 && counters.objectsDrawn == 0) return ": every object is outside the view";
+    if (faces != 0 && counters.culledBackFace == faces) return ": every polygon faces away from the viewer; --cull off draws them";
+    return "";
+}
+
 void refuseFaults(const FrameFacts& facts) {
     if (facts.nan + facts.inf == 0) return;
     throw renderError(fmt::format("the picture has {} NaN and {} infinite values; first: {}; nothing is written", facts.nan, facts.inf, facts.firstFault));
@@ -143,8 +167,13 @@ Exit renderCommand(const Options& options) {
     for (const std::string& warning : scene.warnings) say(options, fmt::format("plumb: warning: {}", warning));
 
     RenderRequest request = requestOf(options, scene, size);
-    if (const std::string asked = raysAskedBy(scene); request.shading != Shading::ray && !asked.empty())
-        say(options, fmt::format("plumb: not drawn: reflection and refraction: {}; only --shading ray traces them", asked));
+    if (const std::string asked = leftToRays(scene, request); !asked.empty()) {
+        if (options.strict) throw inputError(printable(scene.path), fmt::format("{}; only --shading ray draws that, and --strict refuses to leave it out", asked));
+        // Spheres and planes that nothing would draw are refused, in a line of their own.
+        if (!onlyRaysDraw(scene) || drawsSpheres(scene, request)) say(options, fmt::format("plumb: not drawn: reflection and refraction: {}; only --shading ray traces them", asked));
+    }
+    if (options.stereo != StereoForm::none && drawsSpheres(scene, request))
+        throw usageError("--stereo: --fill notes draws spheres in parallel projection, which shows both eyes the same");
     scene.camera = views[0].camera;
     scene.lights = views[0].lights;
     if (!draws) {
@@ -226,6 +255,8 @@ Exit renderCommand(const Options& options) {
             report["truth"] = truthJson(truth);
             report["error"] = errorJson(error, true, rounding);
         }
+        const glm::uvec2 drawn(result.frame.width, result.frame.height);
+        if (result.frame.coveredPixels == 0 && !refused) say(options, fmt::format("plumb: warning: nothing is seen{}", whyNothing(result.counters)));
         const auto writeStart = Clock::now();
         if (plan.sheet) {
             cells.push_back(std::move(result.frame));
@@ -252,9 +283,10 @@ Exit renderCommand(const Options& options) {
                 for (const OutputFile& file : plan.files[plan.sheet ? 0 : i]) report["output"].push_back(file.path);
             reports.push_back(std::move(report));
         }
-        const std::string where = refused ? "nothing written" : plan.sheet ? views[i].name : plan.files[i][0].path;
-        say(options, fmt::format("{}: {}x{} {}, {} triangles, {:.1f} ms on {}", printable(where), request.width, request.height, nameOf(request.shading), result.counters.triangles,
-                                 result.totalMs, renderer->name()));
+        const std::string where = refused ? "nothing written" : plan.sheet ? printable(views[i].name) : namesOf(plan.files[i]);
+        const std::string form = stereo.form == StereoForm::none ? "" : fmt::format(" {}", nameOf(stereo.form));
+        say(options, fmt::format("{}: {}x{} {}{}{}, {}, {:.1f} ms on {}", where, drawn.x, drawn.y, nameOf(request.shading), form, options.interlace ? " in two fields" : "",
+                                 contentOf(scene, result.counters), result.totalMs, renderer->name()));
         if (options.verbose != 0)
             for (const PassTime& time : result.times) say(options, fmt::format("  {:<12} {:9.3f} ms  {} dispatches", time.pass, time.ms, time.dispatches));
     }

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 #include <spirv/spheres.h>
+#include <spirv/spheres_native.h>
 #include <algorithm>
 
 namespace plumb {
@@ -56,13 +57,14 @@ SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& li
     const auto workOf = [&](uint32_t row) {
         return uint64_t(list.width) * (1 + light.lights.size() + list.rowFirst[row + 1] - list.rowFirst[row]);
     };
+    const bool native = light.parts.power == gpu::kPowerNative;
     while (push.firstRow < uint32_t(list.height)) {
         uint64_t work = workOf(push.firstRow);
         push.rowCount = 1;
         while (push.firstRow + push.rowCount < uint32_t(list.height) &&
                work + workOf(push.firstRow + push.rowCount) <= kWorkPerDispatch)
             work += workOf(push.firstRow + push.rowCount++);
-        recorder.dispatch("spheres", spirv::spheres, uint64_t(push.width) * push.rowCount, push,
+        recorder.dispatch("spheres", native ? spirv::spheres_native : spirv::spheres, uint64_t(push.width) * push.rowCount, push,
                           {storage(discs), storage(rowFirst), storage(rowDiscs), texels(materials, View::texelF32x4),
                            texels(lights, View::texelF32x4), storage(depth), storage(owner), storage(colour)},
                           constants);

@@ -7,6 +7,7 @@
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/polygons.h"
 #include "pipeline/render/stopwatch.h"
+#include "pipeline/scene/text.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -102,15 +103,16 @@ private:
         return n.faces(request_.distantViewer ? -forward_ : eye_ - corner, mirrored);
     }
 
-    [[noreturn]] void refuseCrossing(const Object& object, uint32_t faces) const {
-        throw inputError(scene_.path, fmt::format("object '{}': mesh.faces: {} of its faces cross themselves, and --fill notes fills simple polygons", object.name, faces));
+    [[noreturn]] void refuseCrossing(const Object& object, const TriangleMesh& mesh, uint32_t face) const {
+        throw inputError(mesh.place.empty() ? printable(scene_.path) : mesh.place,
+                         fmt::format("mesh.faces[{}] crosses itself (object '{}'), and --fill notes fills simple polygons", face, printable(object.name, 64)));
     }
 
     void addObject(uint32_t rangeNumber) {
         const DrawList::Range& r = p_.list.ranges[rangeNumber];
         const Object& object = scene_.objects[r.sceneObject];
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
-        if (mesh.selfCrossingFaces > 0) refuseCrossing(object, mesh.selfCrossingFaces);
+        if (mesh.selfCrossingFaces > 0) refuseCrossing(object, mesh, mesh.firstSelfCrossing);
         const gpu::ObjectRecord& record = p_.list.objects[r.record];
         const bool mirrored = glm::determinant(glm::dmat3(object.worldFromObject)) < 0;
         const uint32_t shading = p_.choices.shading;
@@ -140,7 +142,7 @@ private:
             if (around.size() > 3 && newell.vanishes())
                 for (const TriangleMesh::Triangle& t : own) {  // parts with an area that cancel: a bow tie
                     const std::array part = {world[t.vertex[0]], world[t.vertex[1]], world[t.vertex[2]]};
-                    if (!newellOf(part).vanishes()) refuseCrossing(object, 1);
+                    if (!newellOf(part).vanishes()) refuseCrossing(object, mesh, f.face);
                 }
             if (scene_.cullBackFaces && !visible(newell, around[0], mirrored)) {
                 ++result_.counters.culledBackFace;

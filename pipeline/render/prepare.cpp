@@ -406,7 +406,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     for (uint32_t i = 0; discs && i < scene.spheres.size(); ++i)
         list.sphereMaterial.push_back(slotOfMaterial(list, scene, scene.spheres[i].material, materialSlot, false));
     if (rays) checkRays(request);
-    if (const std::string asked = rays ? std::string() : raysAskedBy(scene); !asked.empty())
+    if (const std::string asked = leftToRays(scene, request); !asked.empty())
         p.plan.dropped.push_back({"reflection and refraction", asked + "; only --shading ray traces them"});
     for (uint32_t i = 0; !rays && i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
@@ -503,20 +503,30 @@ bool drawsSpheres(const Scene& scene, const RenderRequest& request) {
 
 bool onlyRaysDraw(const Scene& scene) { return !scene.spheres.empty() || !scene.planes.empty(); }
 
-std::string raysAskedBy(const Scene& scene) {
-    if (onlyRaysDraw(scene)) return "the scene has spheres or planes, which only rays meet";
+static std::string raysAskedByMaterials(const Scene& scene) {
     std::vector<bool> asks(scene.materials.size());
     for (size_t i = 0; i < asks.size(); ++i) asks[i] = asksForRays(scene.materials[i]);
     if (std::find(asks.begin(), asks.end(), true) == asks.end()) return {};
+    const auto sentence = [](const Material& m) {
+        const RayShares s = raySharesOf(m);
+        return s.transmit > 0 ? fmt::format("material '{}' transmits {:g}", printable(m.name, 64), s.transmit)
+                              : fmt::format("material '{}' reflects {:g}", printable(m.name, 64), s.reflect);
+    };
     for (const Object& object : scene.objects)
-        for (const uint32_t material : scene.meshes[object.mesh].faceMaterial) {
-            if (!asks[material]) continue;
-            const Material& m = scene.materials[material];
-            const RayShares s = raySharesOf(m);
-            return s.transmit > 0 ? fmt::format("material '{}' transmits {:g}", printable(m.name, 64), s.transmit)
-                                  : fmt::format("material '{}' reflects {:g}", printable(m.name, 64), s.reflect);
-        }
+        for (const uint32_t material : scene.meshes[object.mesh].faceMaterial)
+            if (asks[material]) return sentence(scene.materials[material]);
+    for (const SphereShape& sphere : scene.spheres)
+        if (asks[sphere.material]) return sentence(scene.materials[sphere.material]);
     return {};
+}
+
+std::string raysAskedBy(const Scene& scene) {
+    return onlyRaysDraw(scene) ? "the scene has spheres or planes, which only rays meet" : raysAskedByMaterials(scene);
+}
+
+std::string leftToRays(const Scene& scene, const RenderRequest& request) {
+    if (request.shading == Shading::ray) return {};
+    return drawsSpheres(scene, request) ? raysAskedByMaterials(scene) : raysAskedBy(scene);
 }
 
 Plan planRender(const Scene& scene, const RenderRequest& request) { return prepare(scene, request).plan; }

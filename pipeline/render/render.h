@@ -107,6 +107,8 @@ bool drawsSpheres(const Scene&, const RenderRequest&);
 bool onlyRaysDraw(const Scene&);
 // Why a scene is to be traced: what it has, or what a material of an object asks for. Empty: nothing asks.
 std::string raysAskedBy(const Scene&);
+// What of that a picture by `request` leaves out: nothing by rays, and spheres that --fill notes draws are not left out. Empty: nothing.
+std::string leftToRays(const Scene&, const RenderRequest&);
 
 Plan planRender(const Scene&, const RenderRequest&);
 RenderResult renderCpu(const Scene&, const RenderRequest&);             // the twin

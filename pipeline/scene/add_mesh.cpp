@@ -17,6 +17,7 @@ static uint32_t append(Scene& scene, TriangleMesh mesh, const std::string& place
     const float extent = std::max({size.x, size.y, size.z});
     if (extent > 0 && extent < kLeastExtent)
         throw inputError(place, fmt::format("the mesh is {:g} across; the smallest that is drawn is {:g}", extent, kLeastExtent));
+    mesh.place = place;
     scene.meshes.push_back(std::move(mesh));
     return uint32_t(scene.meshes.size() - 1);
 }

@@ -516,7 +516,7 @@ private:
                 const FaceCutter::Outcome outcome = cutter.run();
                 if (outcome == FaceCutter::Outcome::tooLarge)
                     throw inputError(printable(in_.name), fmt::format("face {} is concave and has {} corners; at most {} are triangulated", f, n, kMaxConcaveCorners));
-                out_.selfCrossingFaces += outcome == FaceCutter::Outcome::selfCrossing;
+                if (outcome == FaceCutter::Outcome::selfCrossing && out_.selfCrossingFaces++ == 0) out_.firstSelfCrossing = uint32_t(f);
             }
             for (const FaceCutter::Cut& cut : cutter.cuts) add(cut[0], cut[1], cut[2]);
         }

@@ -61,6 +61,8 @@ struct TriangleMesh {
     uint32_t repairedNormals = 0;            // zero or opposite vertex normals replaced by the face normal
     uint32_t flushedDenormals = 0;           // |x| < 2^-126 set to +0
     uint32_t selfCrossingFaces = 0;          // no ear was left: the rest was cut as a fan
+    uint32_t firstSelfCrossing = kNone;      // the first of these
+    std::string place;                       // where its faces are stated: file:line:column, or the file; for messages
     glm::vec3 boundsMin{0}, boundsMax{0};
 };
 

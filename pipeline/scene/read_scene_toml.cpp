@@ -731,6 +731,7 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
         mesh.faceMaterial.assign(faces.size(), materialNode ? materialNamed(*materialNode, "mesh.material") : 0);
     }
     const uint32_t index = addMesh(scene_, std::move(mesh), place(table), options);
+    scene_.meshes[index].place = place(facesNode);
     warnOfRepairs(scene_, index, place(table));
     return index;
 }

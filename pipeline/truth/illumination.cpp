@@ -65,11 +65,14 @@ Illumination::Seen Illumination::at(uint32_t index, double x, double y) const {
         position += share * corner.fromEye;
         w += share * corner.w.value;
     }
-    const glm::dvec3 n = unit(normalFromObject_[t.object] * normal), v = unit(-position);
-    const Material& m = scene_.materials[mesh.faceMaterial[mesh.triangles[t.triangle].face]];
-    Seen seen;
-    seen.w = w;
-    seen.colour = glm::dvec3(m.ambient) * glm::dvec3(scene_.ambient) + glm::dvec3(m.emission);
+    const uint32_t material = mesh.faceMaterial[mesh.triangles[t.triangle].face];
+    return {colourOf(material, position, unit(normalFromObject_[t.object] * normal), unit(-position)), w};
+}
+
+glm::dvec3 Illumination::colourOf(uint32_t material, const glm::dvec3& position, const glm::dvec3& n,
+                                  const glm::dvec3& v) const {
+    const Material& m = scene_.materials[material];
+    glm::dvec3 colour = glm::dvec3(m.ambient) * glm::dvec3(scene_.ambient) + glm::dvec3(m.emission);
     for (const Lamp& lamp : lamps_) {
         const glm::dvec3 toLamp = lamp.directional ? lamp.place : lamp.place - position;
         const double distance = lamp.directional ? 1 : lengthOf(toLamp);
@@ -79,9 +82,9 @@ Illumination::Seen Illumination::at(uint32_t index, double x, double y) const {
         const double reflected = along(2 * cosine * n - l, v);
         const double shine = m.shininess == 0 ? 1 : reflected > 0 ? std::pow(reflected, double(m.shininess)) : 0;
         const double fade = lamp.power == 0 ? 1 : lamp.power == 1 ? 1 / distance : 1 / (distance * distance);
-        seen.colour += fade * lamp.intensity * (glm::dvec3(m.diffuse) * cosine + glm::dvec3(m.specular) * shine);
+        colour += fade * lamp.intensity * (glm::dvec3(m.diffuse) * cosine + glm::dvec3(m.specular) * shine);
     }
-    return seen;
+    return colour;
 }
 
 }  // namespace plumb::truth

@@ -17,6 +17,9 @@ public:
     };
     // Of visible triangle `index` at sample (X, Y): position and normal are interpolated in perspective.
     Seen at(uint32_t index, double x, double y) const;
+    // Linear RGB, not clamped, of a surface of the scene's material `material`. World axes: `position` relative to the eye, unit normal `n`, unit vector
+    // `v` toward the viewer.
+    glm::dvec3 colourOf(uint32_t material, const glm::dvec3& position, const glm::dvec3& n, const glm::dvec3& v) const;
 
 private:
     struct Lamp {

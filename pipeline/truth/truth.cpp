@@ -4,6 +4,7 @@
 #include "host/error.h"
 #include "pipeline/truth/illumination.h"
 #include "pipeline/truth/rays.h"
+#include "pipeline/truth/spheres.h"
 
 #include <algorithm>
 #include <atomic>
@@ -179,6 +180,14 @@ Placement placementOf(const RenderRequest& request) {
     return p;
 }
 
+// What is seen along one ray or at one point.
+struct Sample {
+    glm::dvec3 colour{0};  // linear RGB, not clamped; the sky's where nothing is seen
+    uint32_t object = kNone, primitive = kNone;
+    double depth = INFINITY;  // planar, scene units
+    double leftOut = 0;       // weights of rays that were not followed
+};
+
 // Glass among glass makes trees without end: a picture has so many rays, whatever it is of.
 constexpr double kMostRaysOfPicture = 0x1p29;
 truth::RayLimits limitsOf(const RenderRequest& request, const Placement& placement) {
@@ -188,19 +197,59 @@ truth::RayLimits limitsOf(const RenderRequest& request, const Placement& placeme
     return limits;
 }
 
-// One band of a traced picture.
-class RayBand {
+// What the samples of a picture see, for one thread.
+class RayLooker {
 public:
-    RayBand(const truth::RayWorld& world, const Pinhole& pinhole, const RenderRequest& request, const Placement& placement, Truth& out)
-        : request_(request), pinhole_(pinhole), placement_(placement), rays_(world, pinhole, glm::dvec3(request.background), limitsOf(request, placement)), out_(out) {}
+    RayLooker(const truth::RayWorld& world, const Pinhole& pinhole, const RenderRequest& request, const Placement& placement)
+        : pinhole_(pinhole), rays_(world, pinhole, glm::dvec3(request.background), limitsOf(request, placement)) {}
+
+    // (x, y) of the screen from its middle, in pixels.
+    Sample look(double x, double y) {
+        const truth::RaySeen seen = rays_.look(x, y);
+        return {seen.colour, seen.object, seen.primitive,
+                seen.distance * pinhole_.focal / std::sqrt(x * x + y * y + pinhole_.focal * pinhole_.focal), seen.leftOut};
+    }
+    void addTo(Truth& out) const {
+        out.redone += rays_.redone();
+        out.undecided += rays_.undecided();
+    }
+
+private:
+    const Pinhole& pinhole_;
+    truth::RayTruth rays_;
+};
+
+class SphereLooker {
+public:
+    SphereLooker(const Scene& scene, const truth::Illumination& illumination, const RenderRequest& request)
+        : first_(uint32_t(scene.objects.size())), sky_(request.background), spheres_(scene, illumination) {}
+
+    Sample look(double x, double y) {
+        const truth::SphereTruth::Seen seen = spheres_.look(x, y);
+        if (seen.sphere == kNone) return {sky_};
+        return {seen.colour, first_ + seen.sphere, 0, seen.depth, 0};
+    }
+    void addTo(Truth& out) const { out.redone += spheres_.redone(); }
+
+private:
+    const uint32_t first_;  // number of the first sphere among the objects
+    const glm::dvec3 sky_;
+    truth::SphereTruth spheres_;
+};
+
+// One band of a picture whose samples see by themselves.
+template <class Looker>
+class SampleBand {
+public:
+    SampleBand(Looker looker, const Pinhole& pinhole, const RenderRequest& request, const Placement& placement, Truth& out)
+        : request_(request), pinhole_(pinhole), placement_(placement), looker_(std::move(looker)), out_(out) {}
 
     void draw(uint32_t firstRow, uint32_t rows) {
         for (uint32_t y = firstRow; y < firstRow + rows; ++y)
             for (uint32_t x = 0; x < request_.width; ++x) pixel(x, y);
     }
     void addTo(Truth& out) const {
-        out.redone += rays_.redone();
-        out.undecided += rays_.undecided();
+        looker_.addTo(out);
         out.leftOut = std::max(out.leftOut, leftOut_);
     }
 
@@ -212,27 +261,26 @@ private:
         double leftOut = 0;
         bool anchored = false;
         for (const glm::dvec2& d : placement_.at) {
-            const truth::RaySeen seen = look(x, y, d);
+            const Sample seen = look(x, y, d);
             leftOut += seen.leftOut;
             covered += seen.object != kNone;
             if (!request_.transparent || seen.object != kNone) sum += seen.colour;
             if (d != placement_.anchor) continue;
             anchored = true;
-            write(at, x, y, d, seen);
+            write(at, seen);
         }
-        if (!anchored) write(at, x, y, placement_.anchor, look(x, y, placement_.anchor));
+        if (!anchored) write(at, look(x, y, placement_.anchor));
         const double count = request_.transparent ? std::max(covered, 1u) : double(placement_.at.size());
         for (int c = 0; c < 3; ++c) out_.linear[3 * at + size_t(c)] = sum[c] / count;
         out_.alpha[at] = double(covered) / double(placement_.at.size());
         leftOut_ = std::max(leftOut_, leftOut / double(placement_.at.size()));
     }
-    double screenX(uint32_t x, double d) const { return x + d - pinhole_.width / 2; }
-    double screenY(uint32_t y, double d) const { return y + d - pinhole_.height / 2; }
-    truth::RaySeen look(uint32_t x, uint32_t y, const glm::dvec2& d) { return rays_.look(screenX(x, d.x), screenY(y, d.y)); }
-    void write(size_t at, uint32_t x, uint32_t y, const glm::dvec2& d, const truth::RaySeen& seen) {
+    Sample look(uint32_t x, uint32_t y, const glm::dvec2& d) {
+        return looker_.look(x + d.x - pinhole_.width / 2, y + d.y - pinhole_.height / 2);
+    }
+    void write(size_t at, const Sample& seen) {
         if (seen.object == kNone) return;
-        const double a = screenX(x, d.x), b = screenY(y, d.y);
-        out_.depth[at] = seen.distance * pinhole_.focal / std::sqrt(a * a + b * b + pinhole_.focal * pinhole_.focal);
+        out_.depth[at] = seen.depth;
         out_.object[at] = seen.object;
         out_.primitive[at] = seen.primitive;
     }
@@ -240,10 +288,19 @@ private:
     const RenderRequest& request_;
     const Pinhole& pinhole_;
     const Placement& placement_;
-    truth::RayTruth rays_;
+    Looker looker_;
     Truth& out_;
     double leftOut_ = 0;
 };
+
+// The polygon fill of the notes stands at whole coordinates: pixel (x, y) is the point (x, y) of the screen, and samples lie around it.
+Placement aroundWholeCoordinates(uint32_t samples) {
+    Placement p;
+    const uint32_t side = sideOf(samples);
+    for (uint32_t j = 0; j < side; ++j)
+        for (uint32_t i = 0; i < side; ++i) p.at.emplace_back((i + 0.5) / side - 0.5, (j + 0.5) / side - 0.5);
+    return p;
+}
 
 }  // namespace
 
@@ -270,7 +327,13 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
         const Placement placement = placementOf(request);
         out.samples = uint32_t(placement.at.size());
         const truth::RayWorld world(scene);
-        drawBands(request, out, [&] { return RayBand(world, pinhole, request, placement, out); });
+        drawBands(request, out, [&] { return SampleBand(RayLooker(world, pinhole, request, placement), pinhole, request, placement, out); });
+    } else if (request.fill == Fill::notes && !scene.spheres.empty()) {
+        const Pinhole pinhole(*scene.camera, out.width, out.height, 1);
+        const Placement placement = aroundWholeCoordinates(request.samples);
+        const Geometry geometry(scene, pinhole);
+        const Illumination illumination(scene, geometry);
+        drawBands(request, out, [&] { return SampleBand(SphereLooker(scene, illumination, request), pinhole, request, placement, out); });
     } else {
         const uint32_t side = sideOf(request.samples), drawnSide = sideOf(drawnSamples == 0 ? request.samples : drawnSamples);
         const Geometry geometry(scene, Pinhole(*scene.camera, out.width, out.height, side, request.fill == Fill::notes ? 0.5 * side / drawnSide : 0));

@@ -26,7 +26,7 @@ struct Truth {
 // Of `request`: size, samples, background, transparent, threads, fill (notes: sample (x, y) of a picture with `drawnSamples` a pixel stands for the point
 // (x, y) of the screen, and the truth's samples lie around it; 0: as many as the truth's)
 // and onProgress (called by one thread; false cancels: Error(interrupted)). Its shading
-// changes nothing, since the truth is Phong's. A wire frame has no truth here: Error(usage).
+// changes nothing, since the truth is Phong's. Spheres that --fill notes draws have a truth of their own (spheres.h), in parallel projection. A wire frame has no truth here: Error(usage).
 // Shading::ray has a truth of its own (rays.h): 64 rays deep and to a weight of 2^-20 (more in a tree of thousands: leftOut) whatever the request's depth and cutoff, colours without noise and without cutting
 // to levels. Of its rays it takes where they pass through a pixel: grid (also for random places and for adaptive, whose finest is 16), the pixel's middle, its four corners
 // (their mean), or the notes' corner. Several samples are then those of RayChoices, and the planes hold the sample that the picture's planes hold.

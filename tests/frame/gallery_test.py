@@ -66,6 +66,23 @@ class Gallery(unittest.TestCase):
                 self.assertTrue(picture["passes"])
                 self.assertGreater(picture["time_ms"]["render"], 0)
 
+    def test_a_truth_is_that_of_its_picture(self):
+        """Most pixels show the face that the truth shows: else it is the truth of something else."""
+        for p in self.summary:
+            for picture in p["pictures"]:
+                if picture["error"] and picture["error"]["wrongPrimitiveShare"] is not None:
+                    self.assertLess(picture["error"]["wrongPrimitiveShare"], 0.5, picture["file"])
+
+    def test_unlit_polygons_are_wrong_at_their_outlines_only(self):
+        """Their materials' ambient colour is their own, under an ambient light of 1: so the Phong truth shows their colour too."""
+        byte = 12.92 * 0.5 / 255  # half a step of linear light, where the sRGB curve is steepest
+        unlit = [q for p in self.summary for q in p["pictures"] if q["passes"] == ["project", "scanline", "scanpaint", "encode"]]
+        self.assertGreaterEqual(len(unlit), 5)
+        for picture in unlit:
+            error = picture["error"]
+            # A pixel with another face is off by the whole scale at most, every other one by its byte.
+            self.assertLessEqual(error["rms"] ** 2, error["wrongPrimitiveShare"] + byte ** 2, picture["file"])
+
     def test_a_fault_differs_from_its_cure_and_is_further_from_the_truth(self):
         pairs = [p for p in self.summary if len(p["pictures"]) == 2]
         self.assertGreaterEqual(len(pairs), 5)

@@ -121,6 +121,12 @@ class Stereo(Modes):
             glasses = self.plane("glasses.npy")
             self.assertTrue((glasses[..., 0] == left[..., 0]).all() and (glasses[..., 1:] == right[..., 1:]).all())
 
+    def test_the_line_names_every_file_and_the_size_that_was_written(self):
+        line = lambda *arguments: self.render("cards.toml", *arguments).stderr.decode()
+        self.assertTrue(line("-o", "a_{eye}.png", "--stereo", "pair").startswith("a_left.png, a_right.png: 96x64 unlit pair, 6 triangles, "))
+        self.assertTrue(line("-o", "b.png", "--stereo", "side-by-side").startswith("b.png: 192x64 unlit side-by-side, "))
+        self.assertTrue(line("-o", "c_{field}.png", "--interlace").startswith("c_odd.png, c_even.png: 96x64 unlit in two fields, "))
+
     def test_the_device_draws_the_same_pair(self):
         self.expect(0, "render", "cards.toml", "-o", "device_{eye}.png", "--stereo", "pair", "--require-device", "lavapipe")
         self.render("cards.toml", "-o", "twin_{eye}.png", "--stereo", "pair")
@@ -142,6 +148,7 @@ class Stereo(Modes):
         self.expect(2, "render", "cards.toml", "-o", "a.exr", "--stereo", "side-by-side", "--aov", "depth", says="depth")
         self.expect(2, "render", "cards.toml", "-o", "a.png", "--stereo", "anaglyph", "--background", "transparent", says="alpha")
         self.expect(2, "render", "cards.toml", "-o", "a.png", "--stereo", "anaglyph", "--with-error", says="one eye")
+        self.expect(2, "render", self.scene("notes-20-spheres.toml"), "-o", "a.png", "--stereo", "anaglyph", says="parallel projection")
 
 
 class Fields(Modes):
@@ -242,6 +249,42 @@ class Drawing(Modes):
         # Along the outline only, which the notes paint up to a pixel wider on each side.
         self.assertLess(report["error"]["wrongPrimitiveShare"], 0.1)
 
+    def test_the_20_spheres_have_a_truth_of_their_own(self):
+        done = self.render(self.scene("notes-20-spheres.toml"), "-o", "a.png", "--with-error", "--json", "--strict")
+        error = json.loads(done.stdout)["error"]
+        self.assertEqual((error["pixels"], error["wrongPrimitive"]), (20 * 7845, 0))
+        self.assertGreater(error["unrounded"]["rms"], 0, "the notes' program rounds heights")
+        self.assertNotIn("not drawn", done.stderr.decode())
+        self.assertIn("20 spheres", done.stderr.decode())
+
+    def test_spheres_take_the_choices_of_the_specular_power(self):
+        spheres, rms = self.scene("notes-20-spheres.toml"), {}
+        for power in ("exact", "native", "schlick"):
+            self.expect(0, "verify", spheres, "--trade", f"specular={power}", "--require-device", "lavapipe")
+            done = self.expect(0, "render", spheres, "-o", f"{power}.png", "--trade", f"specular={power}", "--with-error", "--json", "--require-device", "lavapipe")
+            rms[power] = json.loads(done.stdout)["error"]["unrounded"]["rms"]
+        self.assertLess(rms["native"], rms["schlick"], "the device's own power is a power, Schlick's quotient is none")
+
+    def test_what_a_raster_picture_leaves_to_rays_is_said_or_refused(self):
+        mirror = Refusals.OBJECT + "material = 'm'\n[[material]]\nname = 'm'\nreflect = 0.5\n"
+        self.write("mirror.toml", mirror)
+        said = "material 'm' reflects 0.5; only --shading ray"
+        self.assertIn(said, self.render("mirror.toml", "-o", "a.png", "--shading", "phong").stderr.decode())
+        self.expect(3, "render", "mirror.toml", "-o", "b.png", "--shading", "phong", "--strict", says=said)
+        self.render("mirror.toml", "-o", "c.png", "--strict")
+        self.write("ball.toml", "handedness = 'left'\nfill = 'notes'\nsize = [64, 48]\n[camera]\ndistance = 500\n[[material]]\nname = 'm'\nreflect = 0.5\n"
+                   "[[sphere]]\ncentre = [0, 0, 100]\nradius = 20\nmaterial = 'm'\n")
+        self.assertIn(said, self.render("ball.toml", "-o", "d.png").stderr.decode())
+        self.expect(3, "render", "ball.toml", "-o", "e.png", "--strict", says=said)
+
+    def test_an_empty_picture_says_why(self):
+        said = lambda *arguments: self.render("turned.toml", "-o", "a.png", *arguments).stderr.decode()
+        self.write("turned.toml", "[camera]\neye = [0.3, 0.3, -3]\nat = [0.3, 0.3, 0]\n" + Refusals.MESH)
+        for fill in ("exact", "notes"):
+            self.assertIn("nothing is seen: every polygon faces away from the viewer; --cull off draws them", said("--fill", fill))
+            self.assertNotIn("nothing is seen", said("--fill", fill, "--cull", "off"))
+        self.assertIn("nothing is seen: every object is outside the view", said("--at", "0,0,-9"))
+
     def test_the_report_compares_its_time_with_frame_rates(self):
         rate = json.loads(self.render(self.scene("pyramid.toml"), "-o", "a.png", "--json").stdout)["frame_rate"]
         self.assertGreater(rate["per_second"], 0)
@@ -280,6 +323,24 @@ class Refusals(Modes):
             self.write("bad.toml", text)
             done = self.expect(3, "render", "bad.toml", "-o", "a.png", "--device", "twin")
             self.assertTrue(done.stderr.decode().startswith("plumb: " + message), (message, done.stderr))
+
+    def test_a_polygon_that_crosses_itself_is_refused_where_it_stands(self):
+        """By the fill of the notes; the exact fill cuts it as a fan and warns."""
+        plane = "handedness = 'left'\n[camera]\ndistance = 500\n[[mesh]]\nname = 'm'\n"
+        star = plane + "vertices = [[0, 20], [12, -16], [-19, 6], [19, 6], [-12, -16]]\nfaces = [[0, 3, 1],\n [0, 1, 2, 3, 4]]\n"
+        tie = plane + "vertices = [[-20, -10], [20, 10], [20, -10], [-20, 10]]\nfaces = [[0, 1, 2, 3]]\n"
+        for text, face in ((star, 1), (tie, 0)):
+            self.write("bad.toml", text)
+            done = subprocess.run([PLUMB, "render", "bad.toml", "-o", "a.png", "--fill", "notes", "--device", "twin"], cwd=self.folder, capture_output=True, timeout=120, check=False)
+            self.assertEqual(done.returncode, 3)
+            self.assertEqual(done.stderr.decode().splitlines()[-1], f"plumb: bad.toml:7:9: mesh.faces[{face}] crosses itself (object 'm'), and --fill notes fills simple polygons")
+            self.assertFalse(os.path.exists(self.path("a.png")))
+            self.render("bad.toml", "-o", "b.png", "--fill", "exact")
+        with open(self.path("star.off"), "w", encoding="utf-8") as f:
+            f.write("OFF\n5 1 0\n0 20 0\n12 -16 0\n-19 6 0\n19 6 0\n-12 -16 0\n5 0 1 2 3 4\n")
+        done = subprocess.run([PLUMB, "render", "star.off", "-o", "a.png", "--fill", "notes", "--device", "twin"], cwd=self.folder, capture_output=True, timeout=120, check=False)
+        self.assertEqual(done.returncode, 3)
+        self.assertTrue(done.stderr.decode().splitlines()[-1].startswith("plumb: star.off: mesh.faces[0] crosses itself"), done.stderr)
 
     def test_so_does_a_mesh_file_with_a_polygon_of_two_vertices(self):
         self.write("bad.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n")
