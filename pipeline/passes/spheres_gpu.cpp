@@ -64,7 +64,8 @@ SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& li
         while (push.firstRow + push.rowCount < uint32_t(list.height) &&
                work + workOf(push.firstRow + push.rowCount) <= kWorkPerDispatch)
             work += workOf(push.firstRow + push.rowCount++);
-        recorder.dispatch("spheres", native ? spirv::spheres_native : spirv::spheres, uint64_t(push.width) * push.rowCount, push,
+        recorder.dispatch("spheres", native ? spirv::spheres_native : spirv::spheres,
+                          uint64_t(push.width) * push.rowCount, push,
                           {storage(discs), storage(rowFirst), storage(rowDiscs), texels(materials, View::texelF32x4),
                            texels(lights, View::texelF32x4), storage(depth), storage(owner), storage(colour)},
                           constants);
