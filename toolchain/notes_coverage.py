@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Compares docs/notes-coverage.md with the tests: every row names tests that exist, or says what is open.
+"""Compares docs/notes-coverage.md with the tests: every row names tests that exist, in files that a CMakeLists.txt beside them runs, or says what is open.
 
 usage: notes_coverage.py [ROOT]      exit 1 on a row with neither, an unknown test, or another number of rows
        notes_coverage.py --self-test
@@ -8,17 +8,31 @@ usage: notes_coverage.py [ROOT]      exit 1 on a row with neither, an unknown te
 import os
 import re
 import sys
+import tempfile
 
 ROWS = 86  # systems of parts 1 to 4
 TEST = re.compile(r"^\s*TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)|^\s*GOLDEN\(\s*(\w+)\s*\)", re.M)
 PYTHON = re.compile(r"^class (\w+)\([\w.]+\)|^    def (test_\w+)\(", re.M)
 
 
+LOOP = re.compile(r"foreach\((\w+) ([^)]*)\)(.*?)endforeach", re.S)
+
+
+def files_run_by(text):
+    """Words of a CMakeLists.txt that may be names of files, plain loops unrolled."""
+    text = LOOP.sub(lambda m: "".join(m.group(3).replace("${" + m.group(1) + "}", word) for word in m.group(2).split()), re.sub(r"#.*", "", text))
+    return set(re.findall(r"[\w.]+", text))
+
+
 def tests_of(root):
     names = set()
     for folder, _, files in os.walk(os.path.join(root, "tests")):
+        if "CMakeLists.txt" not in files:
+            continue
+        with open(os.path.join(folder, "CMakeLists.txt"), encoding="utf-8") as f:
+            run = files_run_by(f.read())
         for file in files:
-            if not file.endswith((".cpp", ".h", ".py")):
+            if not file.endswith((".cpp", ".py")) or file not in run:
                 continue
             with open(os.path.join(folder, file), encoding="utf-8") as f:
                 text = f.read()
@@ -66,7 +80,16 @@ def self_test():
     cases = {"good": (good, 0), "an unknown test": (good.replace("`A.b`", "`A.c`", 1), 1), "a row less": (good[good.index("\n") + 1:], 1),
              "neither": (good.replace("open: y", ""), 1), "an empty page": ("", 1)}
     wrong = [name for name, (text, fails) in cases.items() if bool(check(text, {"A.b"})[0]) != bool(fails)]
-    print(f"notes_coverage --self-test: {len(cases)} pages, wrong: {wrong}")
+    # A test that no CMakeLists.txt runs is none.
+    with tempfile.TemporaryDirectory() as root:
+        os.makedirs(os.path.join(root, "tests", "unit"))
+        for name, text in {"CMakeLists.txt": "# idle_test.cpp\nforeach(x a c)\n  plumb_test(${x}_test SOURCES ${x}_test.cpp)\nendforeach()\nadd_test(COMMAND b_test.py)\n", "a_test.cpp": "TEST(A, b) {\n", "idle_test.cpp": "TEST(Idle, b) {\n",
+                           "b_test.py": "class B(Case):\n    def test_c(self):\n"}.items():
+            with open(os.path.join(root, "tests", "unit", name), "w", encoding="utf-8") as f:
+                f.write(text)
+        if tests_of(root) != {"A.b", "B.test_c"}:
+            wrong.append(f"tests found: {tests_of(root)}")
+    print(f"notes_coverage --self-test: {len(cases)} pages and a folder of tests, wrong: {wrong}")
     return 1 if wrong else 0
 
 

@@ -446,6 +446,147 @@ TEST(Modes, ErrorAndCostOfFlatGouraudAndPhongAreOrderedAgainstTheAnalyticCylinde
     EXPECT_GT(shining[1].rms, matt[1].rms);
 }
 
+// Section 2: vertices are shared, so that moving the top A moves the four faces that meet there, and not the Base.
+TEST(Modes, MovingOneVertexMovesEveryFaceThatHasIt) {
+    const std::string text = textOf("pyramid.toml");
+    const TriangleMesh before = sceneOf(text).meshes[0],
+                       after = sceneOf(replaced(text, "[  0, -100, 100]", "[  0, -90, 100]")).meshes[0];
+    ASSERT_EQ(before.faceCentre.size(), 5u);
+    for (size_t face = 0; face < 5; ++face) {
+        EXPECT_EQ(before.faceCentre[face] != after.faceCentre[face], face < 4) << face;
+        EXPECT_EQ(before.faceNormal[face] != after.faceNormal[face], face < 4) << face;
+    }
+    EXPECT_EQ(before.edges.size(), after.edges.size()) << "nothing comes apart";
+}
+
+// 9.1: Z reversed in scene, light and viewer, and the polygons listed the other way around, is the same picture in the other system.
+TEST(Modes, TheOtherHandednessWithZReversedIsTheSamePicture) {
+    const auto pyramid = [](bool left) {
+        const int s = left ? 1 : -1;
+        std::string text = fmt::format(
+            "handedness = '{}'\nsize = [200, 160]\n[camera]\neye = [40, -60, {}]\nat = [0, -130, {}]\nup = [0, 1, 0]\n"
+            "[[light]]\ntype = 'directional'\ndirection = [1, 1, {}]\n[[light]]\ntype = 'point'\nposition = [80, 0, {}]\n"
+            "[[mesh]]\nname = 'pyramid'\ncrease = 30\nvertices = [[0, -100, {}], [50, -150, {}], [50, -150, {}], [-50, -150, {}], [-50, -150, {}]]\n",
+            left ? "left" : "right", -200 * s, 100 * s, -s, -150 * s, 100 * s, 50 * s, 150 * s, 150 * s, 50 * s);
+        return sceneOf(text + (left ? "faces = [[0, 1, 4], [0, 3, 2], [0, 4, 3], [0, 2, 1], [1, 2, 3, 4]]\n"
+                                    : "faces = [[0, 4, 1], [0, 2, 3], [0, 3, 4], [0, 1, 2], [1, 4, 3, 2]]\n"),
+                       {200, 160});
+    };
+    for (const Fill fill : {Fill::exact, Fill::notes}) {
+        const RenderRequest r = requestOf(Shading::phong, fill, {200, 160});
+        const Frame left = drawn(pyramid(true), r).frame, right = drawn(pyramid(false), r).frame;
+        EXPECT_EQ(left.primitive, right.primitive);
+        EXPECT_EQ(left.coveredPixels, right.coveredPixels);
+        EXPECT_GT(left.coveredPixels, 1000u);
+        EXPECT_EQ(largestDifference(left, right), 0);
+    }
+}
+
+// 16.4: a viewer elsewhere is the scene moved the other way. Half turns change signs and nothing else, so they change no bit.
+TEST(Modes, ATurnedCameraIsTheSceneTurnedTheOtherWay) {
+    const auto turned = [](int x, int y, int z, const char* step) {  // signs of the half turn
+        return sceneOf(
+            fmt::format("handedness = 'left'\nup = [0, {1}, 0]\n[camera]\neye = [{3}, {4}, {5}]\nat = [0, {6}, {7}]\nnear = 1\n"
+                        "[[light]]\ntype = 'directional'\ndirection = [{0}, {1}, {2}]\n[[light]]\ntype = 'point'\nposition = [{8}, {9}, {10}]\n"
+                        "[[material]]\nname = 'm'\nspecular = 0.5\n[[mesh]]\nname = 'p'\ncrease = 30\nmaterial = 'm'\n"
+                        "vertices = [[0, -100, 100], [50, -150, 50], [50, -150, 150], [-50, -150, 150], [-50, -150, 50]]\n"
+                        "faces = [[0, 1, 4], [0, 3, 2], [0, 4, 3], [0, 2, 1], [1, 2, 3, 4]]\n[[object]]\nmesh = 'p'\ntransform = [{11}]\n",
+                        x, y, -z, 40 * x, -60 * y, -200 * z, -130 * y, 100 * z, 80 * x, 10 * y, -150 * z, step),
+            {200, 160});
+    };
+    for (const Fill fill : {Fill::exact, Fill::notes}) {
+        RenderRequest r = requestOf(Shading::phong, fill, {200, 160});
+        r.planes &= ~uint32_t(kPlaneNormal);  // in world axes, which turn
+        const Frame frame = drawn(turned(1, 1, 1, ""), r).frame;
+        EXPECT_GT(frame.coveredPixels, 1000u);
+        expectSameFrame(frame, drawn(turned(1, -1, -1, "{ rotate_x = 180 }"), r).frame);
+        expectSameFrame(frame, drawn(turned(-1, 1, -1, "{ rotate_y = 180 }"), r).frame);
+        expectSameFrame(frame, drawn(turned(-1, -1, 1, "{ rotate_z = 180 }"), r).frame);
+        EXPECT_NE(frame.rgba, drawn(turned(1, 1, 1, "{ rotate_y = 180 }"), r).frame.rgba);
+    }
+}
+
+// 16.3: a point source that recedes becomes a directional one.
+TEST(Modes, APointLightFarAwayIsADirectionalOne) {
+    const std::string text = textOf("cylinder.toml");
+    const std::string lamp = "type = \"directional\"\ndirection = [1, 1, -1]";
+    const Frame directional = drawn(sceneOf(text), requestOf(Shading::phong, Fill::exact)).frame;
+    double before = INFINITY;
+    for (const double away : {1e4, 1e5, 1e6}) {
+        const std::string point = fmt::format("type = \"point\"\nposition = [{0}, {0}, -{0}]", away);
+        const Frame frame = drawn(sceneOf(replaced(text, lamp, point)), requestOf(Shading::phong, Fill::exact)).frame;
+        const double difference = largestDifference(directional, frame);
+        EXPECT_GT(difference, 0);
+        EXPECT_LT(difference, before / 5) << "ten times as far away: about a tenth";
+        before = difference;
+    }
+}
+
+// 16.4: with index 0 the highlight is everywhere where there is light; it shrinks as the index rises, and never becomes a mirror.
+TEST(Modes, TheHighlightShrinksAsTheIndexRises) {
+    Scene scene = sceneOf(textOf("notes-20-spheres.toml"), {800, 600});
+    RenderRequest r = requestOf(Shading::phong, Fill::notes, {800, 600});
+    const auto bright = [&](uint32_t sphere) {  // pixels with half the highlight or more, which red alone carries
+        const Frame frame = drawn(scene, r).frame;
+        const Material& m = scene.materials[scene.spheres[sphere].material];
+        size_t count = 0;
+        for (size_t i = 0; i < frame.object.size(); ++i)
+            count += frame.object[i] == sphere && frame.linear[3 * i] >= 0.5f * m.specular.r * scene.lights[0].intensity.r;
+        return count;
+    };
+    size_t before = 7845;
+    for (const uint32_t row : {0u, 1u, 2u, 3u}) {  // 2, 4, 8, 16
+        const size_t count = bright(5 * row);
+        EXPECT_LT(count, before) << row;
+        before = count;
+    }
+    EXPECT_GT(before, 0u);
+    scene.materials[scene.spheres[0].material].shininess = 1e6f;
+    const size_t least = bright(0);
+    EXPECT_LT(least, before);
+    scene.materials[scene.spheres[0].material].shininess = 0;
+    const Frame frame = drawn(scene, r).frame;
+    std::set<float> reds;
+    for (size_t i = 0; i < frame.object.size(); ++i)
+        if (frame.object[i] == 0) reds.insert(frame.linear[3 * i]);
+    EXPECT_EQ(reds.size(), 2u) << "all of Ip Ks, or nothing where the surface looks away (A13)";
+    EXPECT_EQ(*reds.begin(), 0.0f);
+}
+
+// 16.5: grey light on grey surfaces is the same in each channel, and sources may stand in any order: four positive terms added to a fifth
+// in one order and the other, four roundings of at most u of the sum each.
+TEST(Modes, GreyIsMonoAndSourcesMayStandInAnyOrder) {
+    const std::string text = textOf("lamp-and-occluder.toml");
+    const glm::uvec2 size(160, 120);
+    Scene scene = sceneOf(text, size);
+    scene.lights.clear();
+    for (int i = 0; i < 4; ++i) {
+        Light light;
+        light.directional = i % 2 == 0;
+        light.direction = dvec3(i - 2, 3, 1);
+        light.position = dvec3(i - 2, 4, 1);
+        light.intensity = glm::vec3(0.3f + 0.1f * float(i));
+        light.attenuation = i < 2 ? Attenuation::none : Attenuation::inverse;
+        scene.lights.push_back(light);
+    }
+    Scene grey = scene, turned = scene;
+    for (Material& m : grey.materials)
+        for (glm::vec3* colour : {&m.ambient, &m.diffuse, &m.specular, &m.emission}) *colour = glm::vec3(colour->g);
+    std::reverse(turned.lights.begin(), turned.lights.end());
+    for (const Fill fill : {Fill::exact, Fill::notes}) {
+        const RenderRequest r = requestOf(Shading::phong, fill, size);
+        const Frame mono = drawn(grey, r).frame, colour = drawn(scene, r).frame, other = drawn(turned, r).frame;
+        for (size_t i = 0; i < mono.object.size(); ++i) {
+            ASSERT_EQ(mono.linear[3 * i], mono.linear[3 * i + 1]);
+            ASSERT_EQ(mono.linear[3 * i], mono.linear[3 * i + 2]);
+            ASSERT_EQ(mono.linear[3 * i], colour.linear[3 * i + 1]) << "the channels do not meet";
+        }
+        for (size_t i = 0; i < colour.linear.size(); ++i)
+            ASSERT_LE(std::abs(colour.linear[i] - other.linear[i]), 2 * 4 * 0x1p-24f * colour.linear[i]);
+        EXPECT_GT(largestDifference(colour, mono), 0);
+    }
+}
+
 // Samples of --fill notes are pixels of a larger canvas.
 TEST(Modes, SamplesOfTheNotesFillAreALargerCanvas) {
     for (const uint32_t side : {2u, 4u}) {
