@@ -465,8 +465,10 @@ TEST(Modes, TheOtherHandednessWithZReversedIsTheSamePicture) {
         const int s = left ? 1 : -1;
         std::string text = fmt::format(
             "handedness = '{}'\nsize = [200, 160]\n[camera]\neye = [40, -60, {}]\nat = [0, -130, {}]\nup = [0, 1, 0]\n"
-            "[[light]]\ntype = 'directional'\ndirection = [1, 1, {}]\n[[light]]\ntype = 'point'\nposition = [80, 0, {}]\n"
-            "[[mesh]]\nname = 'pyramid'\ncrease = 30\nvertices = [[0, -100, {}], [50, -150, {}], [50, -150, {}], [-50, -150, {}], [-50, -150, {}]]\n",
+            "[[light]]\ntype = 'directional'\ndirection = [1, 1, {}]\n[[light]]\ntype = 'point'\nposition = [80, 0, "
+            "{}]\n"
+            "[[mesh]]\nname = 'pyramid'\ncrease = 30\nvertices = [[0, -100, {}], [50, -150, {}], [50, -150, {}], [-50, "
+            "-150, {}], [-50, -150, {}]]\n",
             left ? "left" : "right", -200 * s, 100 * s, -s, -150 * s, 100 * s, 50 * s, 150 * s, 150 * s, 50 * s);
         return sceneOf(text + (left ? "faces = [[0, 1, 4], [0, 3, 2], [0, 4, 3], [0, 2, 1], [1, 2, 3, 4]]\n"
                                     : "faces = [[0, 4, 1], [0, 2, 3], [0, 3, 4], [0, 1, 2], [1, 4, 3, 2]]\n"),
@@ -486,12 +488,15 @@ TEST(Modes, TheOtherHandednessWithZReversedIsTheSamePicture) {
 TEST(Modes, ATurnedCameraIsTheSceneTurnedTheOtherWay) {
     const auto turned = [](int x, int y, int z, const char* step) {  // signs of the half turn
         return sceneOf(
-            fmt::format("handedness = 'left'\nup = [0, {1}, 0]\n[camera]\neye = [{3}, {4}, {5}]\nat = [0, {6}, {7}]\nnear = 1\n"
-                        "[[light]]\ntype = 'directional'\ndirection = [{0}, {1}, {2}]\n[[light]]\ntype = 'point'\nposition = [{8}, {9}, {10}]\n"
-                        "[[material]]\nname = 'm'\nspecular = 0.5\n[[mesh]]\nname = 'p'\ncrease = 30\nmaterial = 'm'\n"
-                        "vertices = [[0, -100, 100], [50, -150, 50], [50, -150, 150], [-50, -150, 150], [-50, -150, 50]]\n"
-                        "faces = [[0, 1, 4], [0, 3, 2], [0, 4, 3], [0, 2, 1], [1, 2, 3, 4]]\n[[object]]\nmesh = 'p'\ntransform = [{11}]\n",
-                        x, y, -z, 40 * x, -60 * y, -200 * z, -130 * y, 100 * z, 80 * x, 10 * y, -150 * z, step),
+            fmt::format(
+                "handedness = 'left'\nup = [0, {1}, 0]\n[camera]\neye = [{3}, {4}, {5}]\nat = [0, {6}, {7}]\nnear = 1\n"
+                "[[light]]\ntype = 'directional'\ndirection = [{0}, {1}, {2}]\n[[light]]\ntype = 'point'\nposition = "
+                "[{8}, {9}, {10}]\n"
+                "[[material]]\nname = 'm'\nspecular = 0.5\n[[mesh]]\nname = 'p'\ncrease = 30\nmaterial = 'm'\n"
+                "vertices = [[0, -100, 100], [50, -150, 50], [50, -150, 150], [-50, -150, 150], [-50, -150, 50]]\n"
+                "faces = [[0, 1, 4], [0, 3, 2], [0, 4, 3], [0, 2, 1], [1, 2, 3, 4]]\n[[object]]\nmesh = 'p'\ntransform "
+                "= [{11}]\n",
+                x, y, -z, 40 * x, -60 * y, -200 * z, -130 * y, 100 * z, 80 * x, 10 * y, -150 * z, step),
             {200, 160});
     };
     for (const Fill fill : {Fill::exact, Fill::notes}) {
@@ -531,7 +536,8 @@ TEST(Modes, TheHighlightShrinksAsTheIndexRises) {
         const Material& m = scene.materials[scene.spheres[sphere].material];
         size_t count = 0;
         for (size_t i = 0; i < frame.object.size(); ++i)
-            count += frame.object[i] == sphere && frame.linear[3 * i] >= 0.5f * m.specular.r * scene.lights[0].intensity.r;
+            count +=
+                frame.object[i] == sphere && frame.linear[3 * i] >= 0.5f * m.specular.r * scene.lights[0].intensity.r;
         return count;
     };
     size_t before = 7845;
