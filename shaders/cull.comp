@@ -40,7 +40,7 @@ void main() {
         bool wide = !isNarrow(extent.x, extent.y);
         r.large |= drawn && large ? bit : 0u;
         r.wide |= drawn && wide ? bit : 0u;
-        r.medium |= drawn && !large && !wide && !inFourTiles(box) ? bit : 0u;
+        r.medium |= drawn && !large && !wide && !inTwoTiles(box) ? bit : 0u;
         r.backFacing |= whole && kind == kBackFacing ? bit : 0u;
         r.zeroArea |= whole && kind == kZeroArea ? bit : 0u;
         r.outside |= rejected || (whole && kind == kOutside) ? bit : 0u;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "host/recorder.h"
-#include "pipeline/passes/draw_list.h"
+#include "pipeline/passes/cull.h"
 #include "shaders/shared/bin.h"
 
 #include <span>
@@ -17,23 +17,22 @@ struct TileLists {
 };
 TileLists binCpu(const gpu::BinPush& push, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen);
 
-enum class BinStep { count, list };
 struct BinBuffers {
     const Buffer<gpu::DrawTriangle>& draws;
     const Buffer<gpu::ScreenVertex>& screen;
-    const Buffer<uint32_t>& large;       // places that are binned row by row
-    const Buffer<uint32_t>& medium;      // places that are walked when the set-up pass has counted the small ones; otherwise all are
-    const Buffer<uint32_t>& tiles;       // counts (cleared by the caller); for lists the first entry of each tile, and from push.ends on its end
+    const Buffer<PlacedTriangle>& listed;   // what is walked when the set-up pass has binned the small ones; otherwise all draws are
+    const Buffer<glm::uvec4>& strips;
+    const Buffer<uint32_t>& tiles;          // counts; cleared by the caller, or as the set-up pass left them
     const Buffer<uint32_t>& entries;
-    const Buffer<glm::uvec4>& slots;     // of small triangles that the set-up pass has counted
+    const Buffer<uint32_t>& walkMarks;      // a word a walked triangle
+    const Buffer<uint32_t>& stripMarks;     // a word a strip
 };
-inline constexpr uint32_t kLowRows = 16;
 struct BinCounts {
-    uint32_t drawn = 0, medium = 0, large = 0;
-    uint32_t low = 0;                    // the first of the large ones, which span at most kLowRows tile rows
-    bool counted = false;                // the set-up pass has counted the small triangles
+    uint32_t walked = 0;
+    bool listed = false;
+    uint32_t strips = 0;
+    bool wide = false;                      // some triangle needs the 64-bit set-up
 };
-void recordBin(Recorder& recorder, BinStep step, gpu::BinPush push, const BinCounts& counts, const Specialization& exact,
-               const BinBuffers& buffers);
+void recordBin(Recorder& recorder, gpu::BinPush push, const BinCounts& counts, const Specialization& exact, const BinBuffers& buffers);
 
 }  // namespace plumb

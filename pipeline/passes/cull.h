@@ -16,12 +16,17 @@ void cullCpu(const gpu::CullPush& push, std::span<const glm::uvec4> triangles, s
 void recordCull(Recorder& recorder, const gpu::CullPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,
                 const Buffer<gpu::ScreenVertex>& screen, const Buffer<gpu::CullRecord>& records);
 
+// A place in the draw list and the triangle of the chunk that is drawn there.
+struct PlacedTriangle {
+    uint32_t place, triangle;
+};
+
 // The host's step between cull and set-up, the same for device and twin: places in the draw list, clip jobs, counts.
 struct DrawPlaces {
     std::vector<uint32_t> places;        // a CullRecord's first place
     std::vector<gpu::ClipJob> jobs;
-    std::vector<uint32_t> large;         // places binned row by row (clip fans are added by the caller)
-    std::vector<uint32_t> medium;        // places that a counting set-up leaves to the bin pass
+    std::vector<PlacedTriangle> large;   // large or wide: binned in strips
+    std::vector<PlacedTriangle> medium;  // that a binning set-up leaves to the bin pass
     uint32_t drawCount = 0;              // entries of the draw list
     uint32_t clippedVertices = 0;
     uint64_t drawn = 0, backFacing = 0, zeroArea = 0, outside = 0;
@@ -31,11 +36,13 @@ DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& 
 
 void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places, std::span<const glm::uvec4> triangles,
               std::span<const gpu::ScreenVertex> screen, std::span<gpu::DrawTriangle> draws, uint32_t threads);
-// With push.tilesX it counts small triangles in `tiles` too, and leaves the slots of each in `slots` (shared/setup.h).
+// Of each place in the draw list its triangle; gpu::kNoTriangle in places of clip fans.
+void listDrawn(std::span<const gpu::CullRecord> records, std::span<uint32_t> sources);
+// With push.tilesX it bins small triangles too: counts in `tiles`, lists in `entries`, and `marks` of what found no room (shared/bin.h).
 void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides, const Specialization& exact,
-                 const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen,
-                 const Buffer<gpu::CullRecord>& records, const Buffer<uint32_t>& places, const Buffer<gpu::DrawTriangle>& draws,
-                 const Buffer<uint32_t>& tiles, const Buffer<glm::uvec4>& slots);
+                 const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen, const Buffer<uint32_t>& sources,
+                 const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& tiles, const Buffer<uint32_t>& entries,
+                 const Buffer<uint32_t>& marks);
 
 // `given`: clip-space x, y, w that a more accurate transform left; empty, unused: worked out again in float32.
 // Writes the corners to screen and carried at job.vertex, the fan to draws at job.place; kinds[job] = wide | drawn << 1.

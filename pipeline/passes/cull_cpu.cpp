@@ -3,6 +3,7 @@
 
 #include "pipeline/passes/parallel.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace plumb {
@@ -42,7 +43,7 @@ void cullCpu(const gpu::CullPush& push, std::span<const glm::uvec4> triangles, s
                         const glm::ivec4 box = gpu::tileBox(p0, p1, p2, push.frame);
                         if (gpu::tilesInBox(box) > gpu::kSmallTiles) r.large |= bit;
                         if (!gpu::isNarrow(extent.x, extent.y)) r.wide |= bit;
-                        if (((r.large | r.wide) & bit) == 0 && !gpu::inFourTiles(box)) r.medium |= bit;
+                        if (((r.large | r.wide) & bit) == 0 && !gpu::inTwoTiles(box)) r.medium |= bit;
                     }
                 }
             }
@@ -68,8 +69,9 @@ DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& 
             const uint32_t below = (1u << bit) - 1u;
             return uint32_t(next) + std::popcount(r.drawn & below) + gpu::kClipFan * std::popcount(r.clip & below);
         };
-        for (uint32_t left = r.large | r.wide; left; left &= left - 1) d.large.push_back(placeOfBit(std::countr_zero(left)));
-        for (uint32_t left = r.medium; left; left &= left - 1) d.medium.push_back(placeOfBit(std::countr_zero(left)));
+        const auto placed = [&](uint32_t bit) { return PlacedTriangle{placeOfBit(bit), uint32_t(lane * gpu::kTrianglesPerLane + bit)}; };
+        for (uint32_t left = r.large | r.wide; left; left &= left - 1) d.large.push_back(placed(std::countr_zero(left)));
+        for (uint32_t left = r.medium; left; left &= left - 1) d.medium.push_back(placed(std::countr_zero(left)));
         for (uint32_t left = r.clip; left; left &= left - 1) {
             const uint32_t bit = std::countr_zero(left);
             const uint32_t triangle = uint32_t(lane * gpu::kTrianglesPerLane + bit);
@@ -83,6 +85,19 @@ DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& 
     d.drawCount = uint32_t(next);
     d.clippedVertices = uint32_t(d.jobs.size()) * gpu::kClipCorners;
     return d;
+}
+
+void listDrawn(std::span<const gpu::CullRecord> records, std::span<uint32_t> sources) {
+    uint32_t* to = sources.data();
+    for (size_t lane = 0; lane < records.size(); ++lane) {
+        const uint32_t first = uint32_t(lane * gpu::kTrianglesPerLane), clip = records[lane].clip;
+        for (uint32_t left = records[lane].drawn | clip; left; left &= left - 1) {
+            const uint32_t bit = uint32_t(std::countr_zero(left));
+            if ((clip >> bit & 1) == 0) *to++ = first + bit;
+            else to = std::fill_n(to, gpu::kClipFan, gpu::kNoTriangle);
+        }
+    }
+    PLUMB_ASSERT(to == sources.data() + sources.size());
 }
 
 void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places, std::span<const glm::uvec4> triangles,

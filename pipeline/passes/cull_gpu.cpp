@@ -16,15 +16,15 @@ void recordCull(Recorder& recorder, const gpu::CullPush& push, const Specializat
 }
 
 void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides, const Specialization& exact,
-                 const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen,
-                 const Buffer<gpu::CullRecord>& records, const Buffer<uint32_t>& places, const Buffer<gpu::DrawTriangle>& draws,
-                 const Buffer<uint32_t>& tiles, const Buffer<glm::uvec4>& slots) {
+                 const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen, const Buffer<uint32_t>& sources,
+                 const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& tiles, const Buffer<uint32_t>& entries,
+                 const Buffer<uint32_t>& marks) {
     Specialization constants = exact;
     constants[2] = push.tilesX != 0;
     constants[3] = bothSides;
-    recorder.dispatch("setup", spirv::setup, push.laneCount, push,
-                      {texels(triangles, View::texelU32x4), texels(screen, View::texelU32x4), storage(records), storage(places),
-                       storage(draws), storage(tiles), storage(slots)},
+    recorder.dispatch("setup", spirv::setup, push.placeCount, push,
+                      {texels(triangles, View::texelU32x4), texels(screen, View::texelU32x4), texels(sources, View::texelU32),
+                       storage(draws), storage(tiles), storage(entries), storage(marks)},
                       constants);
 }
 

@@ -56,7 +56,7 @@ bool DeviceRender::drawInPlace() {
             uploaded_ = true;
             if (band.firstRow == 0) {
                 frame_.transformAndCull(false);
-                frame_.setup();
+                frame_.setupForBin();
                 addCounts(frame_, result_.counters);
             }
             drawColours(0, false);
@@ -131,7 +131,7 @@ void DeviceRender::drawBands(PlaneWriter& writer, uint32_t planes, uint32_t chun
             if (normalsApart(planes)) drawNormals(planes, c > 0);
             if (chunks > 1 || firstRow == 0 || normalsApart(planes)) {
                 frame_.transformAndCull(false);
-                frame_.setup();
+                frame_.setupForBin();
                 if (firstRow == 0) addCounts(frame_, result_.counters);
             }
             drawColours(planes, c > 0);
@@ -165,7 +165,7 @@ void DeviceRender::drawColours(uint32_t planes, bool prior) {
 
 void DeviceRender::drawNormals(uint32_t planes, bool prior) {
     frame_.transformAndCull(true);
-    frame_.setup();
+    frame_.setupForBin();
     frame_.bin();
     FillChoices choices = forNormals(p_.choices);
     choices.write = planes & gpu::kFillPlaneNormal;

@@ -3,6 +3,7 @@
 
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/illuminate.h"
+#include "pipeline/passes/tile_lists.h"
 #include "pipeline/passes/transform.h"
 
 #include <algorithm>
@@ -18,7 +19,9 @@ constexpr uint64_t kClipCornersAtFirst = 4096;
 // Tile-list entries and shaded tiles of one dispatch: about 20 ns and 2 us each on two cores, so well below 100 ms.
 constexpr uint64_t kWorkPerDispatch = uint64_t(1) << 21;
 constexpr uint64_t kWorkPerTile = 100;
-constexpr size_t kFewLarge = 256;  // triangles: sorting fewer gains nothing
+// Medium triangles: cutting fewer into strips on the host costs less than a dispatch of their own.
+constexpr size_t kFewMedium = 2048;
+constexpr size_t kFewStrips = size_t(1) << 16;  // fit any device
 
 template <class T>
 void put(Device& device, Buffer<T>& buffer, std::span<const T> from, const char* name) {
@@ -58,10 +61,12 @@ bool GpuFrame::fitsWhole(uint32_t planes) const {
     if (reserved(std::max(triangles, faces)) > l.texelElements) return false;
     // Bytes of upload() and of the lists, were every triangle drawn and in two tiles; then what a band's buffers may take.
     const uint64_t perVertex = (list.numbers == Numbers::fp32 ? 4 : 5) * sizeof(glm::vec4) + sizeof(uint32_t);
-    const uint64_t perTriangle = (list.facePlaces.empty() ? 0 : sizeof(glm::vec4)) + sizeof(glm::uvec4) + sizeof(gpu::DrawTriangle) + sizeof(glm::uvec4) + 4 * sizeof(uint32_t);
+    const uint64_t perTriangle = (list.facePlaces.empty() ? 0 : sizeof(glm::vec4)) + sizeof(glm::uvec4) + sizeof(gpu::DrawTriangle) + 3 * sizeof(uint32_t);
     const uint64_t perFace = 3 * sizeof(glm::vec4) + sizeof(uint32_t);
-    const uint64_t geometry = reserved(vertices) * perVertex + reserved(triangles) * perTriangle + reserved(faces) * perFace;
     const uint64_t pixels = (uint64_t(list.frame.width) + 15) / 16 * 16 * ((uint64_t(list.frame.height) + 7) / 8 * 8);
+    const uint64_t tiles = pixels / (gpu::kTileWidth * gpu::kTileHeight), room = roomOfTiles(triangles, tiles, mostEntries());
+    const uint64_t geometry = reserved(vertices) * perVertex + reserved(triangles) * perTriangle + reserved(faces) * perFace +
+                              reserved(tiles * room) * sizeof(uint32_t);
     const uint64_t held = reserved(pixels) * sizeof(uint32_t) * (1 + planeCount(withSum(planes)));
     const uint64_t budget = device_.memoryBudgetBytes() / 16 * 15;
     return geometry <= budget && std::min(held, device_.memoryBudgetBytes() / 2) <= budget - geometry;
@@ -163,7 +168,7 @@ void GpuFrame::transformAndCull(bool normals) {
     carriedNormals_ = carryNormals;
 }
 
-void GpuFrame::setup() {
+void GpuFrame::setupForBin() {
     const uint64_t lanes = (chunk_->triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane;
     places_ = placeDraws(records_.span().first(lanes), *chunk_, uint32_t(chunk_->positions.size()));
     const uint64_t corners = chunk_->positions.size() + places_.clippedVertices;
@@ -178,52 +183,39 @@ void GpuFrame::setup() {
         carried_.upload(carried);
     }
     draws_.reserve(device_, places_.drawCount, "draw list");
-    put<uint32_t>(device_, lanePlaces_, places_.places, "places");
+    sources_.reserve(device_, std::max(1u, places_.drawCount), "drawn triangles");
+    listDrawn(std::as_const(records_).span().first(lanes), sources_.span().first(places_.drawCount));
     const uint32_t tiles = tilesX_ * tilesY_;
-    counted_ = band_.firstRow == 0 && band_.rows == chunk_->frame.height && band_.width == chunk_->frame.width && tiles <= gpu::kSlotTiles;
-    tiles_.reserve(device_, std::max(1u, 2 * tiles), "tiles");
-    slots_.reserve(device_, counted_ ? places_.drawCount : 1, "slots");
-    if (counted_) std::fill_n(tiles_.span().begin(), tiles, 0u);
-    recordSetup(recorder_, {0, uint32_t(lanes), counted_ ? tilesX_ : 0, chunk_->frame}, chunk_->cullBackFaces == 0, exact_, triangles_, screen_,
-                records_, lanePlaces_, draws_, tiles_, slots_);
+    binned_ = band_.firstRow == 0 && band_.rows == chunk_->frame.height && band_.width == chunk_->frame.width;
+    setupMarks_.reserve(device_, binned_ ? std::max(1u, places_.drawCount) : 1, "marks of the set-up");
+    tiles_.reserve(device_, std::max(1u, tiles), "tiles");
+    entries_.reserve(device_, 1, "tile lists");
+    if (binned_) makeRoom();
+    recordSetup(recorder_, {0, places_.drawCount, binned_ ? tilesX_ : 0, room_, chunk_->frame}, chunk_->cullBackFaces == 0, exact_, triangles_, screen_,
+                sources_, draws_, tiles_, entries_, setupMarks_);
     wide_ = places_.wide;
     clippedDrawn_ = 0;
-    if (!places_.jobs.empty()) {
-        put<gpu::ClipJob>(device_, jobs_, places_.jobs, "clip jobs");
-        kinds_.reserve(device_, places_.jobs.size(), "clip kinds");
-        recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, exact_,
-                   triangles_, positions_, objects_, jobs_, screen_, carried_, draws_, kinds_, chunk_->numbers == Numbers::fp32 ? nullptr : &clipSpace_);
-    }
+    if (places_.jobs.empty()) return;
+    put<gpu::ClipJob>(device_, jobs_, places_.jobs, "clip jobs");
+    kinds_.reserve(device_, places_.jobs.size(), "clip kinds");
+    recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, exact_, triangles_, positions_,
+               objects_, jobs_, screen_, carried_, draws_, kinds_, chunk_->numbers == Numbers::fp32 ? nullptr : &clipSpace_);
     recorder_.run(watchdogMs_);
     for (size_t j = 0; j < places_.jobs.size(); ++j) {
         wide_ |= kinds_.span()[j] & 1;
         clippedDrawn_ += kinds_.span()[j] >> 1;
-        for (uint32_t i = 0; i < gpu::kClipFan; ++i) {
-            places_.large.push_back(places_.jobs[j].place + i);
-            if (counted_) slots_.span()[places_.jobs[j].place + i] = glm::uvec4(gpu::kNoSlot);
-        }
     }
-    sortLarge();
 }
 
-// Large triangles are binned row by row. Where they are many, most of them are low, and need not be asked about every row of the band.
-void GpuFrame::sortLarge() {
-    low_ = 0;
-    if (places_.large.size() < kFewLarge) return;
-    const std::span<const gpu::DrawTriangle> draws = draws_.span();
-    const std::span<const gpu::ScreenVertex> screen = screen_.span();
-    const auto isLow = [&](uint32_t place) {
-        const gpu::DrawTriangle& d = draws[place];
-        const auto [low, high] = std::minmax({screen[d.vertex[0]].y, screen[d.vertex[1]].y, screen[d.vertex[2]].y});
-        return (int64_t(high) - low) / (gpu::kSubpixels * gpu::kTileHeight) + 2 <= kLowRows;
-    };
-    low_ = uint32_t(std::stable_partition(places_.large.begin(), places_.large.end(), isLow) - places_.large.begin());
+void GpuFrame::setup() {
+    setupForBin();
+    recorder_.run(watchdogMs_);
 }
 
 void GpuFrame::beginBand(const gpu::FrameBox& band, uint32_t planes) {
     band_ = band;
     planes_ = planes = withSum(planes);
-    counted_ = false;
+    binned_ = false;
     tilesX_ = uint32_t(band.width + gpu::kTileWidth - 1) / gpu::kTileWidth;
     tilesY_ = uint32_t(band.rows + gpu::kTileHeight - 1) / gpu::kTileHeight;
     rowQuads_ = tilesX_ * gpu::kTileWidth / 4;
@@ -250,41 +242,113 @@ gpu::BinPush GpuFrame::binPush() const {
     gpu::BinPush push{};
     push.tilesX = tilesX_;
     push.tilesY = tilesY_;
-    push.ends = tilesX_ * tilesY_;
+    push.room = room_;
     push.firstClippedVertex = uint32_t(chunk_->positions.size());
     push.frame = band_;
     return push;
 }
 
-void GpuFrame::bin() {
+uint64_t GpuFrame::mostEntries() const {
+    const DeviceLimits& l = device_.limits();
+    return (std::min({l.storageRangeBytes / 4, l.texelElements, device_.memoryBudgetBytes() / 16 / 4}) - 64) / 5 * 4;
+}
+
+void GpuFrame::makeRoom() {
     const uint32_t tiles = tilesX_ * tilesY_;
-    tiles_.reserve(device_, 2 * uint64_t(tiles), "tiles");
-    put<uint32_t>(device_, large_, places_.large, "large triangles");
-    put<uint32_t>(device_, medium_, places_.medium, "medium triangles");
-    entries_.reserve(device_, 1, "tile lists");
-    // Slots are good for one band of one set-up, and numbers in them for as many triangles in a tile as 16 bits count.
-    const auto isCrowded = [](uint32_t count) { return count > gpu::kSlotTiles; };
-    const bool counted = std::exchange(counted_, false) && std::none_of(tiles_.span().begin(), tiles_.span().begin() + tiles, isCrowded);
-    if (!counted) std::fill_n(tiles_.span().begin(), tiles, 0u);
-    const BinBuffers buffers{draws_, screen_, large_, medium_, tiles_, entries_, slots_};
-    const BinCounts counts{places_.drawCount, uint32_t(places_.medium.size()), uint32_t(places_.large.size()), low_, counted};
-    recordBin(recorder_, BinStep::count, binPush(), counts, exact_, buffers);
+    room_ = std::min(mostRoom_, roomOfTiles(places_.drawCount, tiles, mostEntries()));
+    tiles_.reserve(device_, tiles, "tiles");
+    entries_.reserve(device_, uint64_t(tiles) * room_, "tile lists");
+    std::fill_n(tiles_.span().begin(), tiles, 0u);
+}
+
+// Boxes of large triangles are the host's to cut: it alone can give each strip an invocation without trying every row of the band.
+void GpuFrame::makeStrips() {
+    strips_.clear();
+    const gpu::BinPush push = binPush();
+    const std::span<const gpu::ScreenVertex> screen = std::as_const(screen_).span();
+    const auto add = [&](uint32_t place, uint32_t a, uint32_t b, uint32_t c) { addStrips(push, place, boxInBand(push, screen[a], screen[b], screen[c]), strips_); };
+    const auto addPlaced = [&](const PlacedTriangle& p) {
+        const glm::uvec4& corners = chunk_->triangles[p.triangle];
+        add(p.place, corners.x, corners.y, corners.z);
+    };
+    std::for_each(places_.large.begin(), places_.large.end(), addPlaced);
+    if (binned_ && places_.medium.size() < kFewMedium) std::for_each(places_.medium.begin(), places_.medium.end(), addPlaced);
+    for (const gpu::ClipJob& job : places_.jobs)
+        for (uint32_t place = job.place; place < job.place + gpu::kClipFan; ++place) {
+            const uint32_t* v = std::as_const(draws_).span()[place].vertex;
+            if (v[0] != v[1]) add(place, v[0], v[1], v[2]);
+        }
+}
+
+void GpuFrame::bin() {
+    makeStrips();
+    // What is still recorded must not lose its buffers to larger ones, or to a chunk of which less is asked.
+    if (!binned_ || strips_.size() > kFewStrips) recorder_.run(watchdogMs_);
+    if (!binned_) makeRoom();
+    const bool mediumWalk = binned_ && places_.medium.size() >= kFewMedium;
+    const uint32_t walked = mediumWalk ? uint32_t(places_.medium.size()) : binned_ ? 0u : places_.drawCount;
+    checkFits("strips of large triangles", strips_.size(), sizeof(glm::uvec4));
+    put<PlacedTriangle>(device_, medium_, mediumWalk ? std::span<const PlacedTriangle>(places_.medium) : std::span<const PlacedTriangle>(), "medium triangles");
+    put<glm::uvec4>(device_, stripBuffer_, strips_, "strips");
+    walkMarks_.reserve(device_, std::max(1u, walked), "marks of triangles");
+    stripMarks_.reserve(device_, std::max<uint64_t>(1, strips_.size()), "marks of strips");
+    recordBin(recorder_, binPush(), {walked, mediumWalk, uint32_t(strips_.size()), wide_}, exact_,
+              {draws_, screen_, medium_, stripBuffer_, tiles_, entries_, walkMarks_, stripMarks_});
     recorder_.run(watchdogMs_);
-    tileCounts_.assign(tiles_.span().begin(), tiles_.span().begin() + tiles);
+    collectLists(walked, std::exchange(binned_, false));
+}
+
+void GpuFrame::collectLists(uint32_t walked, bool binned) {
+    const std::span<const uint32_t> counts = std::as_const(tiles_).span();
     tileRecords_.clear();
-    uint64_t total = 0;
-    for (uint32_t t = 0; t < tiles; ++t) {
-        const uint32_t count = tileCounts_[t];
-        if (count) tileRecords_.push_back({(t % tilesX_) | (t / tilesX_) << 16, uint32_t(total), count, 0});
-        tiles_.span()[t] = uint32_t(total);
-        total += count;
-        tiles_.span()[tiles + t] = uint32_t(total);
+    binEntries_ = 0;
+    crowded_ = 0;
+    uint64_t end = uint64_t(tilesX_) * tilesY_ * room_;
+    for (uint32_t y = 0, t = 0; y < tilesY_; ++y)
+        for (uint32_t x = 0; x < tilesX_; ++x, ++t) {
+            const uint32_t count = counts[t];
+            if (count == 0) continue;
+            const bool crowded = count > room_;
+            tileRecords_.emplace_back(x | y << 16, uint32_t(crowded ? end : uint64_t(t) * room_), count, 0u);
+            binEntries_ += count;
+            crowded_ += crowded;
+            end += crowded ? count : 0;
+        }
+    if (crowded_) listCrowded(end, walked, binned);
+}
+
+void GpuFrame::listCrowded(uint64_t end, uint32_t walked, bool binned) {
+    checkFits("tile-list entries", end, 4);
+    if (end > entries_.count()) {
+        const std::vector<uint32_t> entries(entries_.span().begin(), entries_.span().end());
+        entries_.reserve(device_, end, "tile lists");
+        entries_.upload(entries);
     }
-    binEntries_ = total;
-    checkFits("tile-list entries", total, 4);
-    if (total == 0) return;
-    entries_.reserve(device_, total, "tile lists");
-    recordBin(recorder_, BinStep::list, binPush(), counts, exact_, buffers);
+    const auto tileOf = [&](const glm::uvec4& record) { return (record.x >> 16) * tilesX_ + (record.x & 0xffffu); };
+    CrowdedTiles crowded(binPush(), entries_.span().first(end));
+    for (const glm::uvec4& record : tileRecords_)
+        if (record.z > room_) crowded.move(tileOf(record), record.y);
+    const std::span<const gpu::DrawTriangle> draws = std::as_const(draws_).span();
+    const std::span<const gpu::ScreenVertex> screen = std::as_const(screen_).span();
+    if (binned) crowded.addSetUp(std::as_const(setupMarks_).span().first(places_.drawCount), draws, screen);
+    const bool listed = binned && walked != 0;
+    crowded.addWalked(std::as_const(walkMarks_).span().first(walked), listed ? std::span<const PlacedTriangle>(places_.medium) : std::span<const PlacedTriangle>(),
+                      draws, screen);
+    crowded.addStrips(std::as_const(stripMarks_).span().first(strips_.size()), strips_);
+    for (const glm::uvec4& record : tileRecords_)
+        if (record.z > room_ && crowded.endOf(tileOf(record)) != record.y + record.z) throw renderError("bin: a crowded tile's list is not complete");
+}
+
+TileLists GpuFrame::lists() const {
+    TileLists lists;
+    lists.counts.assign(size_t(tilesX_) * tilesY_, 0);
+    for (const glm::uvec4& record : tileRecords_) {
+        lists.counts[(record.x >> 16) * tilesX_ + (record.x & 0xffffu)] = record.z;
+        const auto first = entries_.span().begin() + ptrdiff_t(record.y);
+        lists.entries.insert(lists.entries.end(), first, first + ptrdiff_t(record.z));
+        std::sort(lists.entries.end() - ptrdiff_t(record.z), lists.entries.end());
+    }
+    return lists;
 }
 
 FillChoices GpuFrame::onDevice(FillChoices choices) const {

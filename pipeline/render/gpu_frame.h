@@ -30,11 +30,13 @@ public:
     // transform, illuminate and cull. `normals`: carry world normals whatever the shading (normal plane).
     void transformAndCull(bool normals);
     // Host step, set-up and clip. Throws TooLarge before anything is written. When the band that was begun is the whole frame,
-    // small triangles are counted in its tiles at once.
+    // small triangles are binned at once.
     void setup();
+    // The same for a caller that goes on with bin(): where nothing is clipped, both are one submission.
+    void setupForBin();
     // Clears the band's buffers to background.
     void beginBand(const gpu::FrameBox& band, uint32_t planes);
-    // Counts and lists of the current chunk in the band. Throws TooLarge.
+    // Lists of the current chunk in the band. Throws TooLarge.
     void bin();
     // Fill, shade, encode. `choices` as the plan says with planes, prior and colour set.
     void fill(FillChoices choices);
@@ -49,6 +51,8 @@ public:
     bool fitsWhole(uint32_t planes) const;
     // From now on the colours of all bands of a picture stay, one band after another.
     void keepBands() { inPlace_ = true; }
+    // Tiles get room for at most so many entries (tests of crowded ones).
+    void limitRoom(uint32_t most) { mostRoom_ = most; }
     // Rows of such a band (a multiple of 8): as many as a binding takes. 0: all bands are too much for one buffer.
     uint32_t bandRowsInPlace() const;
 
@@ -63,8 +67,9 @@ public:
     Recorder& recorder() { return recorder_; }
     const DrawPlaces& places() const { return places_; }
     uint64_t binEntries() const { return binEntries_; }
-    bool counted() const { return counted_; }                         // setup() has counted small triangles for the next bin()
-    uint32_t lowTriangles() const { return low_; }                    // of places().large
+    bool binned() const { return binned_; }                           // setup() has binned small triangles for the next bin()
+    uint32_t crowdedTiles() const { return crowded_; }                // of the last bin(): without room for all their entries
+    size_t stripCount() const { return strips_.size(); }              // of the last bin()
     uint64_t clippedDrawn() const { return clippedDrawn_; }
 
     // For verify: what a step left, and what the next one shall read.
@@ -73,12 +78,15 @@ public:
     std::span<glm::vec4> faceColours() { return faceColours_.span(); }
     std::span<gpu::CullRecord> records() { return records_.span(); }
     std::span<gpu::DrawTriangle> draws() { return draws_.span(); }
-    std::span<const uint32_t> tileCounts() const { return tileCounts_; }
-    std::span<const uint32_t> entries() const { return entries_.span(); }
+    TileLists lists() const;                                          // of the last bin(), each ascending
     gpu::BinPush binPush() const;
 
 private:
-    void sortLarge();
+    void makeRoom();
+    void makeStrips();
+    void collectLists(uint32_t walked, bool binned);
+    void listCrowded(uint64_t end, uint32_t walked, bool binned);
+    uint64_t mostEntries() const;
     void recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push, const FillChoices& choices);
     FillChoices onDevice(FillChoices choices) const;
     bool lightsInWindows() const;  // more lights than one dispatch adds up
@@ -93,21 +101,22 @@ private:
     Specialization exact_;
     DrawPlaces places_;
     uint64_t binEntries_ = 0, clippedDrawn_ = 0;
-    uint32_t low_ = 0;                    // of places_.large: the first, which are low (BinCounts)
+    uint32_t room_ = 0, mostRoom_ = 0xffffffffu, crowded_ = 0;  // of the tiles' lists
     bool wide_ = false;
     bool inPlace_ = false;                // colours_ holds all bands
     uint64_t firstColour_ = 0;            // of the band, in colours_
-    bool counted_ = false;                // tiles_ and slots_ hold the small triangles of the chunk in this band
+    bool binned_ = false;                 // tiles_ and entries_ hold the small triangles of the chunk in this band
     bool carriedNormals_ = false;         // carried_ holds the world normals of what was uploaded
     gpu::FrameBox band_{};
     uint32_t tilesX_ = 0, tilesY_ = 0, rowQuads_ = 0, planeQuads_ = 0, resolvedQuads_ = 0, planes_ = 0;
-    std::vector<uint32_t> tileCounts_;
+    std::vector<glm::uvec4> strips_;
     std::vector<glm::uvec4> tileRecords_;
 
     Buffer<glm::vec4> trianglePlaces_;
     Buffer<glm::vec4> positions_, normals_, facePositions_, faceNormals_, carried_, faceColours_;
-    Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, lanePlaces_, large_, medium_, kinds_, tiles_, entries_, encodeTable_;
-    Buffer<glm::uvec4> triangles_, slots_, tileBuffer_, aloneBuffer_, colours_, planeBuffer_, resolved_;
+    Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, sources_, kinds_, tiles_, entries_, setupMarks_, walkMarks_, stripMarks_, encodeTable_;
+    Buffer<PlacedTriangle> medium_;
+    Buffer<glm::uvec4> triangles_, stripBuffer_, tileBuffer_, aloneBuffer_, colours_, planeBuffer_, resolved_;
     Buffer<glm::vec4> resolvedLinear_;
     Buffer<gpu::ObjectRecord> objects_;
     Buffer<gpu::LongRecord> longs_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Contract of the bin pass: for each tile of 16 x 8 pixels the drawn triangles that may cover one of its pixels, counted first and
-// then listed, so that no list can overflow. A triangle is listed when its box touches the tile and no edge has the whole tile
-// outside; the same test in both steps and in the twin. The order within a list is free (sets are compared).
+// Contract of the bin pass: for each tile of 16 x 8 pixels the drawn triangles that may cover one of its pixels. A triangle is listed
+// when its box touches the tile and no edge has the whole tile outside; the same test in the set-up pass, the bin pass and the twin.
+// The order within a list is free (sets are compared). Each tile has room for so many entries; what finds none is counted all the
+// same and marked with a bit, and the host lists it in the end (pipeline/passes/tile_lists.h): nothing is lost however crowded a tile is.
 #ifndef PLUMB_BIN_H
 #define PLUMB_BIN_H
 #include "fill.h"
@@ -9,13 +10,15 @@ SHARED_BEGIN
 
 struct BinPush {
     uint statusSlot;
-    uint itemCount;                     // drawn triangles, or (large triangle, tile row) pairs
+    uint itemCount;                     // drawn triangles, places in a list of them, or strips
     uint tilesX, tilesY;                // of the band
-    uint firstLarge, rowsPerLarge;      // of large triangles: the first in their list, and more tile rows than any of these has in the band
-    uint ends;                          // word of the first tile's end in the buffer of tiles, while lists are written
-    uint firstClippedVertex;            // triangles of clip fans (vertices from here on) are all binned row by row
+    uint room;                          // entries of tile t are at t * room
+    uint firstClippedVertex;            // triangles of clip fans (vertices from here on) come in strips
     FrameBox frame;
 };
+
+// Tiles side by side in the box of one triangle: place in the draw list, tile x | y << 16 of the band, tiles. A bit of a word each.
+SHARED_CONST uint kStripTiles = 32u;
 
 SHARED_END
 #endif

@@ -11,7 +11,7 @@ SHARED_BEGIN
 SHARED_CONST uint kClipFan = 6u;        // a triangle cut by five planes has at most 8 corners: 6 triangles
 SHARED_CONST uint kClipCorners = 8u;
 SHARED_CONST uint kTrianglesPerLane = 32u;
-SHARED_CONST int kSmallTiles = 32;      // a triangle whose box touches more tiles is binned row by row
+SHARED_CONST int kSmallTiles = 32;      // a triangle whose box touches more tiles is binned in strips
 SHARED_CONST int kTileWidth = 16;
 SHARED_CONST int kTileHeight = 8;
 
@@ -24,10 +24,10 @@ struct FrameBox {
 struct CullRecord {
     uint drawn;                         // bit t: drawn as it is
     uint clip;                          // bit t: to be clipped
-    uint large;                         // bit t, subset of drawn: binned row by row
+    uint large;                         // bit t, subset of drawn: binned in strips
     uint wide;                          // bit t, subset of drawn: needs the 64-bit set-up
     uint backFacing, zeroArea, outside; // bits, for the counters
-    uint medium;                        // bit t, subset of drawn: neither large nor wide, but in more than 2 x 2 tiles of the frame
+    uint medium;                        // bit t, subset of drawn: neither large nor wide, but its box touches more than two tiles of the frame
 };
 
 struct CullPush {
@@ -80,8 +80,8 @@ SHARED_FN ivec4 tileBox(ivec2 p0, ivec2 p1, ivec2 p2, FrameBox frame) {
     return ivec4(x0, y0, x1, y1);
 }
 SHARED_FN int tilesInBox(ivec4 box) { return (box.z - box.x + 1) * (box.w - box.y + 1); }
-// At most two tiles wide and two high: such triangles are counted by the set-up pass.
-SHARED_FN bool inFourTiles(ivec4 box) { return box.z <= box.x + 1 && box.w <= box.y + 1; }
+// Such triangles are binned by the set-up pass.
+SHARED_FN bool inTwoTiles(ivec4 box) { return tilesInBox(box) <= 2; }
 
 // The order of a drawn triangle's corners: counter-clockwise as seen, lowest (y, x) first, so that everything after it is
 // the same whichever corner the file names first.

@@ -5,10 +5,8 @@
 // A pixel is covered when all e_i >= 0. Depth and attributes use e_i rounded once to float32.
 #ifndef PLUMB_FILL_H
 #define PLUMB_FILL_H
-#include "cull.h"
+#include "setup.h"
 SHARED_BEGIN
-
-SHARED_CONST uint kNoTriangle = 0xffffffffu;
 
 // z(p) = (e_2 k1 + e_0 k2) + zc, clamped to the triangle's own range. Edges: 0 = (v0, v1), 1 = (v1, v2), 2 = (v2, v0).
 struct DepthPlane {

@@ -6,16 +6,15 @@
 #include "cull.h"
 SHARED_BEGIN
 
+SHARED_CONST uint kNoTriangle = 0xffffffffu;
+
 struct SetupPush {
     uint statusSlot;
-    uint laneCount;                     // CullRecords
-    uint tilesX;                        // of the frame, where small triangles are counted in the same pass (one band); else 0
+    uint placeCount;                    // of the draw list
+    uint tilesX;                        // of the frame, where small triangles are binned in the same pass (one band); else 0
+    uint room;                          // as BinPush
     FrameBox frame;
 };
-
-// Where a counted triangle goes: for each of its up to four tiles `tile | number among the tile's counted triangles << 16`.
-SHARED_CONST uint kNoSlot = 0xffffffffu;
-SHARED_CONST uint kSlotTiles = 65535u;  // more tiles than that, or more triangles in one, and the bin pass counts them itself
 
 struct ClipJob {
     uint triangle;                      // of the chunk

@@ -10,14 +10,13 @@ namespace {
 size_t expectSameLists(PassFrame& f) {
     const TileLists want = binCpu(f.frame.binPush(), f.twin.draws, f.twin.screen);
     const uint32_t tilesX = f.frame.binPush().tilesX;
-    expectSame<uint32_t>("bin: entries", want.counts, f.frame.tileCounts(), [&](size_t i) { return fmt::format("tile ({}, {})", i % tilesX, i / tilesX); });
-    std::vector<uint32_t> got(f.frame.entries().begin(), f.frame.entries().begin() + ptrdiff_t(f.frame.binEntries()));
-    EXPECT_EQ(got.size(), want.entries.size());
-    if (got.size() != want.entries.size()) return 0;
-    for (size_t first = 0, t = 0; t < want.counts.size(); first += want.counts[t++])
-        std::sort(got.begin() + ptrdiff_t(first), got.begin() + ptrdiff_t(first + want.counts[t]));
-    expectSame<uint32_t>("bin: list", want.entries, got);
-    return got.size();
+    const TileLists got = f.frame.lists();
+    expectSame<uint32_t>("bin: entries", want.counts, got.counts, [&](size_t i) { return fmt::format("tile ({}, {})", i % tilesX, i / tilesX); });
+    EXPECT_EQ(got.entries.size(), want.entries.size());
+    EXPECT_EQ(got.entries.size(), f.frame.binEntries());
+    if (got.entries.size() != want.entries.size()) return 0;
+    expectSame<uint32_t>("bin: list", want.entries, got.entries);
+    return got.entries.size();
 }
 
 class BinTwin : public SceneRows {};
@@ -38,8 +37,8 @@ TEST_P(BinTwin, ListsTheSameSets) {
     EXPECT_GT(listed, 0u) << "no list has an entry: this row shows nothing";
 }
 
-// The whole frame as one band, begun before the set-up, which then counts the small triangles.
-TEST_P(BinTwin, ListsWhatTheSetUpHasCounted) {
+// The whole frame as one band, begun before the set-up, which then bins the small triangles.
+TEST_P(BinTwin, ListsWhatTheSetUpHasBinned) {
     for (bool cullBackFaces : {false, true}) {
         SCOPED_TRACE(cullBackFaces ? "back faces culled" : "back faces drawn");
         Scene scene = GetParam().scene();
@@ -47,51 +46,63 @@ TEST_P(BinTwin, ListsWhatTheSetUpHasCounted) {
         PassFrame f(device(), scene, requestOf(GetParam()));
         f.frame.beginBand(f.band(0, int(GetParam().height)), kPassPlanes);
         f.setup();
-        ASSERT_TRUE(f.frame.counted()) << "nothing was counted: this shows nothing";
+        ASSERT_TRUE(f.frame.binned()) << "nothing was binned: this shows nothing";
         f.frame.bin();
         f.frame.recorder().run(kWatchdogMs);
         EXPECT_GT(expectSameLists(f), 0u) << "no list has an entry: this row shows nothing";
-        // What was counted is good for one list: the next band counts again.
-        EXPECT_FALSE(f.frame.counted());
+        // What was binned is good for one list: the next band bins again.
+        EXPECT_FALSE(f.frame.binned());
         f.frame.bin();
         f.frame.recorder().run(kWatchdogMs);
         EXPECT_GT(expectSameLists(f), 0u);
     }
 }
 
-class BinLarge : public OnDevice<::testing::Test> {};
+struct BinCase {
+    const char* name;
+    SceneCase scene;
+    bool strips, walked, wide;            // what the row is there to show
+};
 
-// So many large triangles that the low ones among them are binned apart from the tall ones.
-TEST_F(BinLarge, LowAndTallAreListedAlike) {
-    const SceneCase one{"large", [](View v) { return soup(v, 17, 900, 150); }, 640, 480};
-    PassFrame f(device(), one.scene(), requestOf(one));
-    for (int rows : {480, 200}) {
-        f.frame.beginBand(f.band(0, rows), kPassPlanes);
-        f.setup();
-        EXPECT_GT(f.frame.lowTriangles(), 100u) << "hardly any is low: this shows nothing";
-        EXPECT_GT(f.frame.places().large.size() - f.frame.lowTriangles(), 100u) << "hardly any is tall: this shows nothing";
-        for (int firstRow = 0; firstRow < 480; firstRow += rows) {
-            if (firstRow != 0) f.frame.beginBand(f.band(firstRow, rows), kPassPlanes);
-            f.frame.bin();
-            f.frame.recorder().run(kWatchdogMs);
-            EXPECT_GT(expectSameLists(f), 0u);
+class BinCrowds : public OnDevice<::testing::TestWithParam<BinCase>> {};
+
+// Tiles that have room for a few of their entries, of each kernel: the host completes the lists. Bands, and the frame as one.
+TEST_P(BinCrowds, AreListedWhole) {
+    const BinCase& c = GetParam();
+    for (uint32_t room : {1u, 5u})
+        for (int rows : {int(c.scene.height), int(c.scene.height) / 16 * 8}) {
+            SCOPED_TRACE(fmt::format("bands of {} rows, room for {}", rows, room));
+            PassFrame f(device(), c.scene.scene(), requestOf(c.scene));
+            f.frame.limitRoom(room);
+            size_t strips = 0, crowded = 0;
+            for (int firstRow = 0; firstRow < int(c.scene.height); firstRow += rows) {
+                f.frame.beginBand(f.band(firstRow, rows), kPassPlanes);
+                if (firstRow == 0) f.setup();
+                EXPECT_EQ(f.frame.binned(), rows == int(c.scene.height));
+                f.frame.bin();
+                EXPECT_GT(expectSameLists(f), 0u);
+                strips += f.frame.stripCount();
+                crowded += f.frame.crowdedTiles();
+            }
+            EXPECT_GE(crowded, 4u) << "hardly any tile is crowded: this shows nothing";
+            if (c.strips) {
+                EXPECT_GE(strips, 100u) << "hardly any strip: this shows nothing";
+            }
+            if (c.walked) {
+                EXPECT_GE(f.frame.places().medium.size(), 2048u) << "none is walked: this shows nothing";
+            }
+            EXPECT_EQ(f.frame.places().wide, c.wide);
         }
-    }
 }
 
-class BinCrowd : public OnDevice<::testing::Test> {};
-
-// More triangles in a tile than a slot can number: the bin pass counts them anew.
-TEST_F(BinCrowd, IsCountedAnew) {
-    const SceneCase one{"crowd", [](View v) { return soup(v, 9, 400000, 4); }, 16, 8};
-    PassFrame f(device(), one.scene(), requestOf(one));
-    f.frame.beginBand(f.band(0, 8), kPassPlanes);
-    f.setup();
-    ASSERT_TRUE(f.frame.counted());
-    f.frame.bin();
-    f.frame.recorder().run(kWatchdogMs);
-    EXPECT_GT(expectSameLists(f), gpu::kSlotTiles) << "the tile is not crowded: this shows nothing";
-}
+// soup(): triangles of about so many pixels all over the frame.
+INSTANTIATE_TEST_SUITE_P(Scenes, BinCrowds,
+                         ::testing::Values(BinCase{"Strips", {"large", [](View v) { return soup(v, 17, 900, 150); }, 640, 480}, true, false, false},
+                                           BinCase{"LongStrips", {"long", [](View v) { return soup(v, 21, 60, 900); }, 4096, 64}, true, false, false},
+                                           BinCase{"WideStrips", {"wide", [](View v) { return soup(v, 8, 60, 6000); }, 4096, 96}, true, false, true},
+                                           BinCase{"Medium", {"medium", [](View v) { return soup(v, 5, 12000, 40); }, 320, 240}, false, true, false},
+                                           BinCase{"Small", {"small", [](View v) { return soup(v, 3, 12000, 6); }, 512, 96}, false, false, false}),
+                         [](const auto& info) { return info.param.name; });
 
 // Whoever owns a pixel is in its tile's list: the exact coverage of the fill against the bin's own rule.
 TEST_P(BinTwin, MissesNoOwner) {
