@@ -3,36 +3,44 @@
 // that is a tree whose order of factors is the chain's.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-layout(local_size_x = 64) in;
+layout(local_size_x_id = 3) in;         // few invocations are spread over the device's processors in small workgroups
 #include "shared/status.h"
 #include "shared/product.h"
+
+layout(constant_id = 2) const bool kMultiplies = true;   // false: sums instead of products; what loading costs by itself
 
 layout(push_constant, scalar) uniform Push { ChainPush push; };
 layout(binding = 1) uniform samplerBuffer factors;                        // four texels a matrix
 layout(binding = 2, scalar) writeonly buffer Products { Rows products[]; };
 
-Rows factor(uint i) {
+Rows times(Rows product, uint i) {
     int at = int(i) * 4;
-    return Rows(texelFetch(factors, at), texelFetch(factors, at + 1), texelFetch(factors, at + 2), texelFetch(factors, at + 3));
+    Rows factor = Rows(texelFetch(factors, at), texelFetch(factors, at + 1), texelFetch(factors, at + 2), texelFetch(factors, at + 3));
+    return kMultiplies ? timesMatrix(product, factor) : sumOfRows(product, factor);
+}
+Rows timesIf(bool more, Rows product, uint i) {
+    Rows next = times(product, i);
+    return Rows(more ? next.r0 : product.r0, more ? next.r1 : product.r1, more ? next.r2 : product.r2, more ? next.r3 : product.r3);
 }
 
 void main() {
     uint item = itemIndex();
     uint first = min(item, push.laneCount - 1u) * push.perLane;
     uint last = min(first + push.perLane, push.matrixCount) - 1u;
-    Rows product = factor(first);
-    uint at = first;
-    uint steps = 1u;
-    do {
-        Rows next = timesMatrix(product, factor(min(at + 1u, last)));
-        bool more = at < last;
-        product.r0 = more ? next.r0 : product.r0;
-        product.r1 = more ? next.r1 : product.r1;
-        product.r2 = more ? next.r2 : product.r2;
-        product.r3 = more ? next.r3 : product.r3;
-        at = more ? at + 1u : at;
-        steps++;
-    } while (steps < push.perLane);
+    int at = int(first) * 4;
+    Rows product = Rows(texelFetch(factors, at), texelFetch(factors, at + 1), texelFetch(factors, at + 2), texelFetch(factors, at + 3));
+    // First the factors that fill no step of the loop, at most three; then none is asked whether it is there.
+    uint few = (last - first) % kFactorsPerStep;
+    product = timesIf(few > 0u, product, min(first + 1u, last));
+    product = timesIf(few > 1u, product, min(first + 2u, last));
+    product = timesIf(few > 2u, product, min(first + 3u, last));
+    uint done = first + few;
+    if (done < last) {
+        do {
+            product = times(times(times(times(product, done + 1u), done + 2u), done + 3u), done + 4u);
+            done += kFactorsPerStep;
+        } while (done < last);
+    }
     if (item < push.laneCount) products[item] = product;
-    finish(push.statusSlot, at < last ? kFaultLoop : 0u);
+    finish(push.statusSlot, done < last ? kFaultLoop : 0u);
 }

@@ -41,15 +41,17 @@ def raster_rows(report, goals):
 
 
 def matrix_rows(report, goals):
-    yield ["work", "way", "ms", "G/s", "of the bound", "against GLM", "error, u", "goal", "verdict"]
+    yield ["work", "way", "ms", "G/s", "of the bound", "of the device's ceiling", "against GLM", "error, u", "goal", "verdict"]
     for table in report["tables"]:
         for way in table["ways"]:
             key = f"{table['work']} {table['count']} {way['name']}".replace(",", "")
-            goal, word = verdict(way["against_glm"]["median"], goals.get(("matrix", key)))
+            goal, word = ("", "") if way["partial"] else verdict(way["against_glm"]["median"], goals.get(("matrix", key)))
+            ceiling = "" if way["of_device"] is None else f"{100 * way['of_device']['median']:.0f} %"
             yield [f"{table['work']} {table['count']:.0e}".replace("e+0", "e"), way["name"], spread(way["ms"], 3), f"{way['per_second'] * 1e-9:.3f}",
-                   f"{100 * way['share_of_bound']:.0f} %", spread(way["against_glm"]), f"{way['error_u']:.1f}", goal, word]
+                   f"{100 * way['share_of_bound']:.0f} %", ceiling, "" if way["partial"] else spread(way["against_glm"]),
+                   "" if way["partial"] else f"{way['error_u']:.1f}", goal, word]
         for line in table["absent"]:
-            yield [f"{table['work']} {table['count']:.0e}".replace("e+0", "e"), "absent: " + line, "", "", "", "", "", "", ""]
+            yield [f"{table['work']} {table['count']:.0e}".replace("e+0", "e"), "absent: " + line, "", "", "", "", "", "", "", ""]
 
 
 def trace_rows(report, goals):
@@ -174,7 +176,8 @@ Coverage may differ only within 1/256 pixel of an edge (checked in the same run)
 {markdown(raster_rows(raster, goals))}
 ## Matrix throughput
 
-Error against binary64 rounded once, in units of 2^-24 of the result's largest entry. "Of the bound": of what the memory's bandwidth, measured in the same rounds, allows.
+Error against long double, in units of 2^-24 of the result's largest entry. "Of the bound": of what the memory's bandwidth, measured in the same rounds, allows. "Of the device's ceiling": of the speed of a kernel of
+the same shape that only loads and stores (vertices) or only loads (chains). All ways of a row read and write the same arrays of vertices.
 
 {markdown(matrix_rows(matrix, goals))}
 ## Rays

@@ -77,7 +77,8 @@ ClaimTable equationsAreIndependent(Device& device, const ClaimOptions& options) 
     std::transform(points.begin(), points.end(), in.begin(), [](const glm::dvec3& p) { return glm::vec4(p, 1); });
     std::vector<glm::vec4> one(kVertices), many(kVertices);
     const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
-    Buffer<glm::vec4> from(device, kVertices, "vertices"), to(device, kVertices, "transformed");
+    Buffer<glm::vec4> from(device, kVertices, "vertices");
+    Buffer<gpu::VertexPair> to(device, pairsOf(kVertices), "transformed");
     Buffer<gpu::Rows> by(device, 1, "matrix");
     from.upload(in);
     by.upload(matrix);

@@ -3,7 +3,10 @@
 
 #include "pipeline/bench/peers.h"
 #include "pipeline/bench/products.h"
+#include "pipeline/passes/long_rows.h"
 #include "pipeline/passes/parallel.h"
+
+#include "host/binary64.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +15,13 @@
 #include <random>
 #include <span>
 #include <thread>
+#include <utility>
 
 namespace plumb {
 namespace {
 
 constexpr uint32_t kMatrices = gpu::kMostMatrices;
-constexpr uint32_t kPerLane = 256;      // of the tree: a shallow one, since each level is a dispatch
-constexpr uint64_t kDeepest = 60000;    // longest chain that one invocation multiplies (kMostPerLane)
+constexpr uint32_t kPerLane = 1024;     // of the tree: a shallow one, since each level is a dispatch
 constexpr double kU = 0x1p-24;
 
 uint32_t threadsOf(const MatrixOptions& options) { return options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency()); }
@@ -44,15 +47,23 @@ gpu::Rows rowsOf(const glm::mat4& m) {
 }
 glm::mat4 matrixOf(const gpu::Rows& r) { return glm::transpose(glm::mat4(r.r0, r.r1, r.r2, r.r3)); }
 
+// The rows x, y and w of the more accurate transforms, of vertices within [-1, 1]; the third coordinate of a motion takes the place of w.
+gpu::LongRecord longRecordOf(const glm::dmat4& m) {
+    const int exponent = blockExponent(1);
+    const glm::dmat4 rows = glm::transpose(m);
+    return {longRow(rows[0], exponent), longRow(rows[1], exponent), longRow(rows[2], exponent), float(std::ldexp(1.0, -exponent))};
+}
+
 // One way to the result: `run` is timed, `error` is asked once after the last round.
 struct Way {
     std::string name;
     std::function<void()> run;
     std::function<double()> error;
-    bool glm = false;
-    std::vector<double> ms;
+    enum class Kind { host, glm, device, partial } kind = Kind::host;
+    std::vector<double> ms = {};
     uint64_t products = 0, steps = 0;
 };
+using Kind = Way::Kind;
 
 // Every round runs every way and the bandwidth once.
 void measure(MatrixTable& table, std::vector<Way>& ways, const std::function<void()>& memory, double memoryBytes, const MatrixOptions& options) {
@@ -65,10 +76,12 @@ void measure(MatrixTable& table, std::vector<Way>& ways, const std::function<voi
         double glm = 0;
         for (Way& way : ways) {
             way.ms.push_back(msOf(way.run));
-            if (way.glm && (glm == 0 || way.ms.back() < glm)) glm = way.ms.back();
+            if (way.kind == Kind::glm && (glm == 0 || way.ms.back() < glm)) glm = way.ms.back();
         }
         glmMs.push_back(glm);
     }
+    const auto ceiling = std::find_if(ways.begin(), ways.end(), [&](const Way& way) { return way.name == table.ceiling; });
+    PLUMB_ASSERT(ceiling != ways.end());
     const double bytesPerMs = memoryBytes / spreadOf(memoryMs).median;
     table.bandwidthGBs = bytesPerMs * 1e-6;
     for (Way& way : ways) {
@@ -77,6 +90,8 @@ void measure(MatrixTable& table, std::vector<Way>& ways, const std::function<voi
         row.ms = spreadOf(way.ms);
         row.perSecond = double(table.count) / row.ms.median * 1e3;
         row.shareOfBound = row.perSecond * table.bytesEach / (bytesPerMs * 1e3);
+        row.partial = way.kind == Kind::partial;
+        if (way.kind == Kind::device || row.partial) row.ofDevice = ratioOf(ceiling->ms, way.ms);
         row.againstGlm = ratioOf(glmMs, way.ms);
         row.products = way.products;
         row.steps = way.steps;
@@ -138,59 +153,78 @@ MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& o
     const glm::mat4 composite = rounded(all);
     const std::vector<gpu::Rows> one = {rowsOf(composite)};
 
-    Buffer<glm::vec4> in(device, count, "vertices"), out(device, count, "results");
+    const gpu::LongRecord longRecord = longRecordOf(all);
+    Buffer<glm::vec4> in(device, count, "vertices");
+    Buffer<gpu::VertexPair> out(device, pairsOf(count), "results");
     Buffer<gpu::Rows> oneOnDevice(device, 1, "matrix"), sevenOnDevice(device, kMatrices, "matrices");
+    Buffer<gpu::LongRecord> longOnDevice(device, 1, "long rows");
     oneOnDevice.upload(one);
     sevenOnDevice.upload(seven);
-    std::vector<glm::vec4> vertices(count), results(count), twin(count);
+    longOnDevice.upload(std::span(&longRecord, 1));
+    const std::span<glm::vec4> results = verticesOf(out, count);
+    std::vector<glm::vec4> twin(count);
     std::vector<glm::dvec4> wanted(count);
     std::uniform_real_distribution<float> within(-1, 1);
     for (uint64_t i = 0; i < count; ++i) {
-        vertices[i] = {within(random), within(random), within(random), 1.0f};
-        wanted[i] = glm::dvec4(longest * glm::vec<4, long double>(vertices[i]));
+        in.span()[i] = {within(random), within(random), within(random), 1.0f};
+        wanted[i] = glm::dvec4(longest * glm::vec<4, long double>(in.span()[i]));
     }
-    in.upload(vertices);
+    const std::span<const glm::vec4> vertices = std::as_const(in).span();
 
     MatrixTable table;
     table.work = "vertices";
     table.count = count;
     table.bytesEach = 2 * sizeof(glm::vec4);
+    table.ceiling = "device, load and store alone";
     Recorder recorder(device);
-    const auto onDevice = [&](uint32_t matrices) {
-        recordVertices(recorder, device.limits(), matrices, count, in, matrices == 1 ? oneOnDevice : sevenOnDevice, out);
-        recorder.run(options.watchdogMs);
-        recorder.takeTimes();
-    };
-    // The results of a way are the last ones in its array when it is asked: it runs once more.
-    const auto errorOnDevice = [&](uint32_t matrices) {
-        onDevice(matrices);
-        verticesCpu(matrices == 1 ? one : seven, vertices, twin, threads);
-        if (std::memcmp(out.data(), twin.data(), count * sizeof(glm::vec4)) != 0)
-            table.failure = fmt::format("{} vertices by {} matrices: device and twin differ", count, matrices);
-        return errorOfVertices(std::span<const glm::vec4>(out.span()).first(count), wanted);
-    };
-    const auto parallel = [&](uint32_t with, const std::function<void(std::span<const glm::vec4>, std::span<glm::vec4>)>& work) {
-        parallelBands(count, 65536, with, [&](uint64_t begin, uint64_t end) {
-            work(std::span<const glm::vec4>(vertices).subspan(begin, end - begin), std::span(results).subspan(begin, end - begin));
-        });
-    };
+    const DeviceLimits& limits = device.limits();
     std::vector<Way> ways;
-    const auto onHost = [&](const std::string& name, bool glm, const std::function<void()>& run, uint64_t matrices = 1) {
-        ways.push_back({name, run, [&, run] { return run(), errorOfVertices(results, wanted); }, glm});
+    const auto onHost = [&](const std::string& name, Kind kind, const std::function<void()>& run, uint64_t matrices = 1) {
+        ways.push_back({name, run, [&, run] { return run(), errorOfVertices(results, wanted); }, kind});
         ways.back().products = matrices * count, ways.back().steps = matrices;
     };
-    // What each way multiplies: a vertex by each of its matrices, one after another.
-    const auto counted = [&](uint64_t matrices) { ways.back().products = matrices * count, ways.back().steps = matrices; };
-    ways.push_back({"device, one composite", [&] { onDevice(1); }, [&] { return errorOnDevice(1); }});
-    counted(1);
-    ways.push_back({"device, 7 one after another", [&] { onDevice(kMatrices); }, [&] { return errorOnDevice(kMatrices); }});
-    counted(kMatrices);
-    onHost("twin, one composite", false, [&] { verticesCpu(one, vertices, results, threads); });
-    onHost("twin, 7 one after another", false, [&] { verticesCpu(seven, vertices, results, threads); }, kMatrices);
-    onHost("GLM, one composite, 1 thread", true, [&] { peers::glmVertices(composite, vertices, results); });
-    onHost(fmt::format("GLM, one composite, {} threads", threads), true, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices(composite, a, b); }); });
-    onHost(fmt::format("GLM, 7 one after another, {} threads", threads), false, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices7(single, a, b); }); }, kMatrices);
-    onHost(fmt::format("binary64, 7 one after another, rounded once, {} threads", threads), false, [&] {
+    // The results of a way are the last ones in the array when it is asked: it runs once more, and `twinRuns` leaves the same bytes in `twin`.
+    const auto onDevice = [&](const std::string& name, Kind kind, const std::function<void()>& record, uint64_t matrices, const std::function<void()>& twinRuns) {
+        const auto run = [&, record] {
+            record();
+            recorder.run(options.watchdogMs);
+            recorder.takeTimes();
+        };
+        const auto error = [&, run, twinRuns, name, kind] {
+            run();
+            twinRuns();
+            if (std::memcmp(results.data(), twin.data(), count * sizeof(glm::vec4)) != 0)
+                table.failure = fmt::format("{} vertices, {}: device and twin differ", count, name);
+            return kind == Kind::partial ? 0 : errorOfVertices(results, wanted);
+        };
+        ways.push_back({name, run, error, kind});
+        ways.back().products = matrices * count, ways.back().steps = matrices;
+    };
+    const auto parallel = [&](uint32_t with, const std::function<void(std::span<const glm::vec4>, std::span<glm::vec4>)>& work) {
+        parallelBands(count, 65536, with, [&](uint64_t begin, uint64_t end) { work(vertices.subspan(begin, end - begin), results.subspan(begin, end - begin)); });
+    };
+    onDevice("device, store alone", Kind::partial, [&] { recordMarks(recorder, limits, count, in, oneOnDevice, out); }, 0, [&] {
+        for (uint64_t i = 0; i < count; ++i) twin[i] = gpu::markOf(one[0], uint32_t(i % verticesPerDispatch(limits)));
+    });
+    onDevice(table.ceiling, Kind::partial, [&] { recordVertices(recorder, limits, 0, count, in, oneOnDevice, out); }, 0, [&] { verticesCpu({}, vertices, twin, threads); });
+    onDevice("device, one composite", Kind::device, [&] { recordVertices(recorder, limits, 1, count, in, oneOnDevice, out); }, 1, [&] { verticesCpu(one, vertices, twin, threads); });
+    const auto onDeviceLong = [&](const std::string& name, Numbers numbers) {
+        onDevice(name, Kind::device, [&, numbers] { recordLongVertices(recorder, limits, numbers, count, in, longOnDevice, out); }, 1,
+                 [&, numbers] { longVerticesCpu(numbers, longRecord, vertices, twin, threads); });
+    };
+    onDeviceLong("device, one composite, block-scaled integers", Numbers::blockInteger);
+    if (const std::string lacks = lacksBinary64(device); lacks.empty())
+        onDeviceLong("device, one composite, binary64", Numbers::fp64);
+    else
+        table.absent.push_back("device, one composite, binary64: " + lacks);
+    onDevice("device, 7 one after another", Kind::device, [&] { recordVertices(recorder, limits, kMatrices, count, in, sevenOnDevice, out); }, kMatrices,
+             [&] { verticesCpu(seven, vertices, twin, threads); });
+    onHost("twin, one composite", Kind::host, [&] { verticesCpu(one, vertices, results, threads); });
+    onHost("twin, 7 one after another", Kind::host, [&] { verticesCpu(seven, vertices, results, threads); }, kMatrices);
+    onHost("GLM, one composite, 1 thread", Kind::glm, [&] { peers::glmVertices(composite, vertices, results); });
+    onHost(fmt::format("GLM, one composite, {} threads", threads), Kind::glm, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices(composite, a, b); }); });
+    onHost(fmt::format("GLM, 7 one after another, {} threads", threads), Kind::host, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices7(single, a, b); }); }, kMatrices);
+    onHost(fmt::format("binary64, 7 one after another, rounded once, {} threads", threads), Kind::host, [&] {
         parallel(threads, [&](std::span<const glm::vec4> from, std::span<glm::vec4> to) {
             for (size_t i = 0; i < from.size(); ++i) {
                 glm::dvec4 v(from[i]);
@@ -201,11 +235,11 @@ MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& o
     }, kMatrices);
     std::string why;
     if (peers::hasEigen(why))
-        onHost(fmt::format("Eigen, one composite, {} threads", threads), false, [&] { parallel(threads, [&](auto a, auto b) { peers::eigenVertices(composite, a, b); }); });
+        onHost(fmt::format("Eigen, one composite, {} threads", threads), Kind::host, [&] { parallel(threads, [&](auto a, auto b) { peers::eigenVertices(composite, a, b); }); });
     else
         table.absent.push_back("Eigen: " + why);
     if (peers::hasOpenBlas(why))
-        onHost("OpenBLAS sgemm, one composite", false, [&] { peers::openBlasVertices(composite, vertices, results); });
+        onHost("OpenBLAS sgemm, one composite", Kind::host, [&] { peers::openBlasVertices(composite, vertices, results); });
     else
         table.absent.push_back("OpenBLAS: " + why);
     measure(table, ways, [&] { copyAll(vertices, results, threads); }, double(count) * table.bytesEach, options);
@@ -218,6 +252,7 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
     table.work = "chain";
     table.count = count;
     table.bytesEach = sizeof(gpu::Rows);
+    table.ceiling = "device, load alone";
     std::mt19937_64 random(2);
     std::vector<glm::mat4> chain(count);
     LongMatrix all(1);
@@ -226,19 +261,16 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
         all = all * LongMatrix(m);
     }
     const glm::dmat4 wanted(all);
-    std::vector<gpu::Rows> rows;
-    rows.reserve(count);
-    for (const glm::mat4& m : chain) rows.push_back(rowsOf(m));
-
     Buffer<gpu::Rows> in(device, count, "chain"), left(device, count / 2 + 1, "products"), right(device, count / 4 + 1, "products of products");
-    in.upload(rows);
+    std::transform(chain.begin(), chain.end(), in.span().begin(), rowsOf);
+    const std::span<const gpu::Rows> rows = std::as_const(in).span();
     Recorder recorder(device);
     const Buffer<gpu::Rows>* last = nullptr;
-    const auto treeOnDevice = [&](uint32_t perLane) {
+    const auto treeOnDevice = [&](Level level, uint32_t perLane) {
         const Buffer<gpu::Rows>* from = &in;
         for (uint64_t n = count; n > 1 || from == &in; n = (n + perLane - 1) / perLane) {
             const Buffer<gpu::Rows>* to = from == &left ? &right : &left;
-            recordChainLevel(recorder, device.limits(), perLane, n, *from, *to);
+            recordChainLevel(recorder, device.limits(), level, perLane, n, *from, *to);
             from = to;
         }
         recorder.run(options.watchdogMs);
@@ -246,13 +278,13 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
         last = from;
     };
     std::vector<gpu::Rows> a, b;
-    const auto treeOnTwin = [&](uint32_t perLane) {
+    const auto treeOnTwin = [&](Level level, uint32_t perLane) {
         std::span<const gpu::Rows> from = rows;
         for (uint64_t n = count; n > 1 || from.data() == rows.data();) {
             n = (n + perLane - 1) / perLane;
             std::vector<gpu::Rows>& to = from.data() == a.data() ? b : a;
             if (to.size() < n) to.resize(n);
-            chainLevelCpu(perLane, from, std::span(to).first(n), threads);
+            chainLevelCpu(level, perLane, from, std::span(to).first(n), threads);
             from = std::span<const gpu::Rows>(to).first(n);
         }
         return from[0];
@@ -263,30 +295,30 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
         ways.back().products = count - 1;
         for (uint64_t n = count; n > 1; n = (n + perLane - 1) / perLane) ways.back().steps += std::min(perLane, n) - 1;
     };
-    const auto tree = [&](const std::string& name, uint32_t perLane) {
-        ways.push_back({"device, " + name, [&, perLane] { treeOnDevice(perLane); },
-                        [&, perLane, name] {
-                            treeOnDevice(perLane);
-                            const gpu::Rows got = last->span()[0], want = treeOnTwin(perLane);
-                            const auto bytesOf = [](const gpu::Rows& rows) { return std::as_bytes(std::span(&rows, 1)); };
-                            if (!std::ranges::equal(bytesOf(got), bytesOf(want))) table.failure = fmt::format("a chain of {}, {}: device and twin differ", count, name);
-                            return errorOfMatrix(matrixOf(got), wanted);
-                        },
-                        false});
-        counted(perLane);
+    const auto tree = [&](const std::string& name, Kind kind, Level level, uint32_t perLane) {
+        const auto error = [&, kind, level, perLane, name] {
+            treeOnDevice(level, perLane);
+            const gpu::Rows got = last->span()[0], want = treeOnTwin(level, perLane);
+            const auto bytesOf = [](const gpu::Rows& of) { return std::as_bytes(std::span(&of, 1)); };
+            if (!std::ranges::equal(bytesOf(got), bytesOf(want))) table.failure = fmt::format("a chain of {}, {}: device and twin differ", count, name);
+            return kind == Kind::partial ? 0 : errorOfMatrix(matrixOf(got), wanted);
+        };
+        ways.push_back({name, [&, level, perLane] { treeOnDevice(level, perLane); }, error, kind});
+        if (kind != Kind::partial) counted(perLane);
     };
-    tree("pairwise tree", 2);
-    tree(fmt::format("tree of {}", kPerLane), kPerLane);
-    if (count <= kDeepest)
-        tree("sequential", uint32_t(std::max<uint64_t>(2, count)));
+    tree(table.ceiling, Kind::partial, Level::sums, kPerLane);
+    tree("device, pairwise tree", Kind::device, Level::products, 2);
+    tree(fmt::format("device, tree of {}", kPerLane), Kind::device, Level::products, kPerLane);
+    if (count <= gpu::kMostPerLane)
+        tree("device, sequential", Kind::device, Level::products, uint32_t(std::max<uint64_t>(2, count)));
     else
-        table.absent.push_back(fmt::format("device, sequential: one invocation may loop 65,535 times (lavapipe), the chain has {}", count));
+        table.absent.push_back(fmt::format("device, sequential: an invocation multiplies at most {} (a loop of lavapipe ends after 65,535 steps), the chain has {}", gpu::kMostPerLane, count));
     glm::mat4 product(1);
-    ways.push_back({fmt::format("twin, tree of {}", kPerLane), [&] { product = matrixOf(treeOnTwin(kPerLane)); },
-                    [&] { return errorOfMatrix(matrixOf(treeOnTwin(kPerLane)), wanted); }});
+    ways.push_back({fmt::format("twin, tree of {}", kPerLane), [&] { product = matrixOf(treeOnTwin(Level::products, kPerLane)); },
+                    [&] { return errorOfMatrix(matrixOf(treeOnTwin(Level::products, kPerLane)), wanted); }});
     counted(kPerLane);
     const auto glmSequential = [&] { product = peers::glmChain(chain); };
-    ways.push_back({"GLM, sequential", glmSequential, [&, glmSequential] { return glmSequential(), errorOfMatrix(product, wanted); }, true});
+    ways.push_back({"GLM, sequential", glmSequential, [&, glmSequential] { return glmSequential(), errorOfMatrix(product, wanted); }, Kind::glm});
     counted(std::max<uint64_t>(2, count));
     const auto glmTree = [&] {
         const uint64_t part = (count + threads - 1) / threads;

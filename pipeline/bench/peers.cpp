@@ -23,6 +23,8 @@ using Sgemm = void (*)(int order, int transA, int transB, int m, int n, int k, f
 
 Sgemm openBlas() {
     static const Sgemm kFound = [] {
+        // Its threads would turn in a loop for some 30 ms after each call, on the processors of whatever is measured next; 2^4 is the least it takes.
+        ::setenv("OPENBLAS_THREAD_TIMEOUT", "4", 0);
         void* library = ::dlopen("libopenblas.so.0", RTLD_NOW | RTLD_LOCAL);
         return library ? reinterpret_cast<Sgemm>(::dlsym(library, "cblas_sgemm")) : nullptr;
     }();

@@ -5,6 +5,11 @@
 
 #include <spirv/chain.h>
 #include <spirv/vertices.h>
+#include <spirv/vertices_block.h>
+#include <spirv/vertices_block_int64.h>
+#include <spirv/vertices_double.h>
+#include <spirv/vertices_double_int64.h>
+#include <spirv/vertices_int64.h>
 
 namespace plumb {
 namespace {
@@ -14,6 +19,28 @@ uint64_t mostOfBinding(const DeviceLimits& limits, uint64_t bytes, uint64_t texe
     const uint64_t most = std::min(limits.storageRangeBytes / bytes, limits.texelElements / texels) / unit * unit;
     if (most == 0) throw renderError("a binding of the device is too small for the products");
     return most;
+}
+
+// A workgroup of many invocations is cheaper, but one that holds them all runs on one processor.
+constexpr uint64_t kManyLanes = 4096;
+constexpr uint32_t kLargeGroup = 64, kSmallGroup = 8;
+
+struct VerticesKernel {
+    const Module& narrow;
+    const Module& int64;                // the same with stores of 64 bits
+    Specialization constants;
+};
+
+void recordPairs(Recorder& recorder, const DeviceLimits& limits, const VerticesKernel& kernel, uint64_t count, const Buffer<glm::vec4>& in,
+                 const Bound& matrices, const Buffer<gpu::VertexPair>& out) {
+    PLUMB_ASSERT(pairsOf(count) <= out.count());
+    const uint64_t most = verticesPerDispatch(limits);
+    for (uint64_t first = 0; first < count; first += most) {
+        const uint64_t here = std::min(most, count - first), pairs = pairsOf(here);
+        recorder.dispatch("vertices", limits.int64 ? kernel.int64 : kernel.narrow, (pairs + gpu::kPairsPerLane - 1) / gpu::kPairsPerLane,
+                          gpu::VerticesPush{0, uint32_t(here)},
+                          {texels(in, View::texelF32x4, first * 16, here * 16), matrices, storage(out, first / 2, pairs)}, kernel.constants);
+    }
 }
 
 }  // namespace
@@ -28,39 +55,58 @@ void verticesCpu(std::span<const gpu::Rows> matrices, std::span<const glm::vec4>
     });
 }
 
-void chainLevelCpu(uint32_t perLane, std::span<const gpu::Rows> in, std::span<gpu::Rows> out, uint32_t threads) {
+void longVerticesCpu(Numbers numbers, const gpu::LongRecord& composite, std::span<const glm::vec4> in, std::span<glm::vec4> out, uint32_t threads) {
+    PLUMB_ASSERT(numbers != Numbers::fp32);
+    parallelBands(in.size(), 65536, threads, [&](uint64_t begin, uint64_t end) {
+        for (uint64_t i = begin; i < end; ++i)
+            out[i] = glm::vec4(numbers == Numbers::fp64 ? gpu::doubleClip(composite, in[i]) : gpu::blockClip(composite, in[i]), 1.0f);
+    });
+}
+
+void chainLevelCpu(Level level, uint32_t perLane, std::span<const gpu::Rows> in, std::span<gpu::Rows> out, uint32_t threads) {
     parallelBands(out.size(), 16, threads, [&](uint64_t begin, uint64_t end) {
         for (uint64_t lane = begin; lane < end; ++lane) {
             const std::span<const gpu::Rows> factors = in.subspan(lane * perLane, std::min<uint64_t>(perLane, in.size() - lane * perLane));
             gpu::Rows product = factors[0];
-            for (const gpu::Rows& factor : factors.subspan(1)) product = gpu::timesMatrix(product, factor);
+            for (const gpu::Rows& factor : factors.subspan(1)) product = level == Level::products ? gpu::timesMatrix(product, factor) : gpu::sumOfRows(product, factor);
             out[lane] = product;
         }
     });
 }
 
+uint64_t verticesPerDispatch(const DeviceLimits& limits) { return mostOfBinding(limits, sizeof(glm::vec4), 1, 4096); }
+
 void recordVertices(Recorder& recorder, const DeviceLimits& limits, uint32_t matrixCount, uint64_t count, const Buffer<glm::vec4>& in,
-                    const Buffer<gpu::Rows>& matrices, const Buffer<glm::vec4>& out) {
-    PLUMB_ASSERT(matrixCount >= 1 && matrixCount <= gpu::kMostMatrices);
-    const uint64_t most = mostOfBinding(limits, sizeof(glm::vec4), 1, 4096);
-    for (uint64_t first = 0; first < count; first += most) {
-        const uint64_t here = std::min(most, count - first);
-        recorder.dispatch("vertices", spirv::vertices, here, gpu::VerticesPush{0, uint32_t(here)},
-                          {texels(in, View::texelF32x4, first * 16, here * 16), storage(matrices), storage(out, first, here)}, {{2, matrixCount}});
-    }
+                    const Buffer<gpu::Rows>& matrices, const Buffer<gpu::VertexPair>& out) {
+    PLUMB_ASSERT(matrixCount <= gpu::kMostMatrices);
+    recordPairs(recorder, limits, {spirv::vertices, spirv::vertices_int64, {{2, matrixCount}}}, count, in, storage(matrices), out);
 }
 
-void recordChainLevel(Recorder& recorder, const DeviceLimits& limits, uint32_t perLane, uint64_t count, const Buffer<gpu::Rows>& in,
+void recordMarks(Recorder& recorder, const DeviceLimits& limits, uint64_t count, const Buffer<glm::vec4>& in, const Buffer<gpu::Rows>& matrices,
+                 const Buffer<gpu::VertexPair>& out) {
+    recordPairs(recorder, limits, {spirv::vertices, spirv::vertices_int64, {{3, 0}}}, count, in, storage(matrices), out);
+}
+
+void recordLongVertices(Recorder& recorder, const DeviceLimits& limits, Numbers numbers, uint64_t count, const Buffer<glm::vec4>& in,
+                        const Buffer<gpu::LongRecord>& composite, const Buffer<gpu::VertexPair>& out) {
+    PLUMB_ASSERT(numbers != Numbers::fp32);
+    const VerticesKernel kernel = numbers == Numbers::fp64 ? VerticesKernel{spirv::vertices_double, spirv::vertices_double_int64, {}}
+                                                           : VerticesKernel{spirv::vertices_block, spirv::vertices_block_int64, {}};
+    recordPairs(recorder, limits, kernel, count, in, storage(composite), out);
+}
+
+void recordChainLevel(Recorder& recorder, const DeviceLimits& limits, Level level, uint32_t perLane, uint64_t count, const Buffer<gpu::Rows>& in,
                       const Buffer<gpu::Rows>& out) {
     PLUMB_ASSERT(perLane >= 2 && perLane <= gpu::kMostPerLane);
-    // Both ends of a chunk must meet the alignment of a view; 64 products are 4 KiB.
+    // Both ends of a chunk must meet the alignment of a binding, at most 256 bytes: four products.
     const uint64_t most = count * sizeof(gpu::Rows) <= limits.storageRangeBytes && count * 4 <= limits.texelElements
                               ? count
-                              : mostOfBinding(limits, sizeof(gpu::Rows), 4, uint64_t(perLane) * 64);
+                              : mostOfBinding(limits, sizeof(gpu::Rows), 4, uint64_t(perLane) * 4);
     for (uint64_t first = 0; first < count; first += most) {
         const uint64_t here = std::min(most, count - first), lanes = (here + perLane - 1) / perLane;
+        const Specialization constants = {{2, level == Level::products}, {3, lanes > kManyLanes ? kLargeGroup : kSmallGroup}};
         recorder.dispatch("chain", spirv::chain, lanes, gpu::ChainPush{0, uint32_t(here), perLane, uint32_t(lanes)},
-                          {texels(in, View::texelF32x4, first * 64, here * 64), storage(out, first / perLane, lanes)});
+                          {texels(in, View::texelF32x4, first * 64, here * 64), storage(out, first / perLane, lanes)}, constants);
     }
 }
 

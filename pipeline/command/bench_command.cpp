@@ -74,16 +74,19 @@ Json jsonOf(const MatrixTable& table) {
     json["count"] = table.count;
     json["bytes_each"] = table.bytesEach;
     json["bandwidth_gb_s"] = table.bandwidthGBs;
+    json["ceiling"] = table.ceiling;
     json["ways"] = Json::array();
     for (const MatrixWay& way : table.ways)
         json["ways"].push_back({{"name", way.name},
                                 {"ms", spreadJson(way.ms)},
                                 {"per_second", way.perSecond},
                                 {"share_of_bound", way.shareOfBound},
-                                {"against_glm", spreadJson(way.againstGlm)},
+                                {"of_device", way.ofDevice.count == 0 ? Json() : spreadJson(way.ofDevice)},
+                                {"partial", way.partial},
+                                {"against_glm", way.partial ? Json() : spreadJson(way.againstGlm)},
                                 {"products", way.products},
                                 {"steps", way.steps},
-                                {"error_u", way.errorU}});
+                                {"error_u", way.partial ? Json() : Json(way.errorU)}});
     json["absent"] = table.absent;
     json["failure"] = table.failure;
     return json;
@@ -91,9 +94,15 @@ Json jsonOf(const MatrixTable& table) {
 
 std::string textOf(const MatrixTable& table) {
     std::string text = fmt::format("{} of {}; memory {:.1f} GB/s at this size, {:.0f} bytes each\n", table.work, table.count, table.bandwidthGBs, table.bytesEach);
-    for (const MatrixWay& way : table.ways)
-        text += fmt::format("  {:<52} {:>10.4f} ms [{:.4f}..{:.4f}]  {:>8.4f} G/s  {:>5.1f} % of the bound  {:>6.2f} of GLM [{:.2f}..{:.2f}]  {} products, {} in a row  error {:.2f} u\n", way.name, way.ms.median,
-                            way.ms.p10, way.ms.p90, way.perSecond * 1e-9, way.shareOfBound * 100, way.againstGlm.median, way.againstGlm.p10, way.againstGlm.p90, way.products, way.steps, way.errorU);
+    for (const MatrixWay& way : table.ways) {
+        text += fmt::format("  {:<54} {:>10.4f} ms [{:.4f}..{:.4f}]  {:>8.4f} G/s  {:>5.1f} % of the bound", way.name, way.ms.median, way.ms.p10, way.ms.p90, way.perSecond * 1e-9,
+                            way.shareOfBound * 100);
+        if (way.ofDevice.count != 0) text += fmt::format("  {:>5.1f} % of the device's ceiling [{:.1f}..{:.1f}]", way.ofDevice.median * 100, way.ofDevice.p10 * 100, way.ofDevice.p90 * 100);
+        if (!way.partial)
+            text += fmt::format("  {:>6.2f} of GLM [{:.2f}..{:.2f}]  {} products, {} in a row  error {:.2f} u", way.againstGlm.median, way.againstGlm.p10, way.againstGlm.p90, way.products, way.steps,
+                                way.errorU);
+        text += '\n';
+    }
     for (const std::string& line : table.absent) text += fmt::format("  absent: {}\n", line);
     if (!table.failure.empty()) text += fmt::format("  DISAGREES: {}\n", table.failure);
     return text;

@@ -12,6 +12,11 @@ struct Rows {
     vec4 r0, r1, r2, r3;                // of a 4 x 4 matrix, for column vectors
 };
 
+struct VertexPair {
+    vec4 first, second;                 // neighbours: results are stored by two
+};
+SHARED_CONST uint kPairsPerLane = 8u;   // of an invocation
+
 struct VerticesPush {
     uint statusSlot;
     uint vertexCount;
@@ -20,13 +25,16 @@ struct VerticesPush {
 struct ChainPush {
     uint statusSlot;
     uint matrixCount;
-    uint perLane;                       // consecutive matrices that an invocation multiplies, at most kMostPerLane
+    uint perLane;                       // consecutive matrices that an invocation multiplies, 2 to kMostPerLane
     uint laneCount;
 };
-SHARED_CONST uint kMostPerLane = 60000u;  // below the 65,535 iterations after which lavapipe ends a loop
+SHARED_CONST uint kFactorsPerStep = 4u;      // of its loop
+SHARED_CONST uint kMostPerLane = 240000u;    // 60,000 steps: lavapipe ends a loop after 65,535
 
 SHARED_FN float rowTimes(vec4 row, vec4 p) { return ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w * p.w; }
 SHARED_FN vec4 timesVector(Rows m, vec4 p) { return vec4(rowTimes(m.r0, p), rowTimes(m.r1, p), rowTimes(m.r2, p), rowTimes(m.r3, p)); }
+// What is stored for vertex i where only storing is measured: i times the first row.
+SHARED_FN vec4 markOf(Rows m, uint vertex) { return m.r0 * float(vertex); }
 SHARED_FN vec4 timesRows(vec4 row, Rows b) { return ((b.r0 * row.x + b.r1 * row.y) + b.r2 * row.z) + b.r3 * row.w; }
 SHARED_FN Rows timesMatrix(Rows a, Rows b) {
     Rows m;
@@ -34,6 +42,15 @@ SHARED_FN Rows timesMatrix(Rows a, Rows b) {
     m.r1 = timesRows(a.r1, b);
     m.r2 = timesRows(a.r2, b);
     m.r3 = timesRows(a.r3, b);
+    return m;
+}
+// In place of a product where only loading is measured.
+SHARED_FN Rows sumOfRows(Rows a, Rows b) {
+    Rows m;
+    m.r0 = a.r0 + b.r0;
+    m.r1 = a.r1 + b.r1;
+    m.r2 = a.r2 + b.r2;
+    m.r3 = a.r3 + b.r3;
     return m;
 }
 

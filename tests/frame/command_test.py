@@ -521,17 +521,23 @@ class Bench(Command):
             self.assertIn("fill", row["passes_ms"])
 
     def test_matrix_measures_every_way_and_device_equals_twin(self):
-        done = self.expect(0, "bench", "matrix", "1000", "70000", "--repeat", "3", "--json")
+        done = self.expect(0, "bench", "matrix", "1001", "250000", "--repeat", "3", "--json")
         tables = json.loads(done.stdout)["tables"]
-        self.assertEqual([(t["work"], t["count"]) for t in tables], [("vertices", 1000), ("vertices", 70000), ("chain", 1000), ("chain", 70000)])
+        self.assertEqual([(t["work"], t["count"]) for t in tables], [("vertices", 1001), ("vertices", 250000), ("chain", 1001), ("chain", 250000)])
         for table in tables:
             self.assertEqual(table["failure"], "")
             names = [way["name"] for way in table["ways"]]
             self.assertIn("device", " ".join(names))
             self.assertIn("GLM", " ".join(names))
+            self.assertIn(table["ceiling"], names)
             for way in table["ways"]:
+                self.assertEqual(way["of_device"] is not None, way["name"].startswith("device"), way)
+                self.assertEqual(way["partial"], way["name"].endswith("alone"), way)
+                if way["partial"]:
+                    self.assertEqual((way["error_u"], way["against_glm"], way["products"]), (None, None, 0), way)
+                    continue
                 self.assertGreater(way["error_u"], 0, way)   # float32 against long double: a result without error was not computed
-                if way["name"].startswith("binary64"):
+                if "binary64" in way["name"]:
                     self.assertLessEqual(way["error_u"], 1 + 2**-20, way)   # half a unit in the last place, and what binary64 itself rounds
             # What the notes count: a matrix a vertex and seven of them, and how many products wait for one another.
             one, seven = ([w for w in table["ways"] if w["name"] == f"device, {name}"] for name in ("one composite", "7 one after another"))
