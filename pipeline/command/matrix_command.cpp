@@ -218,13 +218,18 @@ std::string textOfChain(const Json& json) {
                 text += "\n";
             }
     }
-    text += fmt::format("composite of {} steps, {} products one after the other:\n{}", number,
-                        json["sequential"]["products"].get<uint64_t>(), textOfMatrix(json["composite"]));
+    const auto products = [](const Json& of) {
+        const auto n = of["products"].get<uint64_t>();
+        return fmt::format("{} product{}", n, n == 1 ? "" : "s");
+    };
+    text += number == 1 ? "composite of 1 step:\n"
+                        : fmt::format("composite of {} steps, {} one after the other:\n", number, products(json["sequential"]));
+    text += textOfMatrix(json["composite"]);
     if (json.contains("inverse")) text += "inverse:\n" + textOfMatrix(json["inverse"]);
     const Json& tree = json["tree"];
-    text += fmt::format("as a tree: {} products, {} deep; largest difference of an entry {:.3g}\n",
-                        tree["products"].get<uint64_t>(), tree["depth"].get<uint64_t>(),
-                        tree["largest_difference"].get<double>());
+    if (number > 1)
+        text += fmt::format("as a tree: {}, {} deep; largest difference of an entry {:.3g}\n", products(tree),
+                            tree["depth"].get<uint64_t>(), tree["largest_difference"].get<double>());
     size_t level = 0;
     for (const Json& nodes : tree["levels"]) {
         text += fmt::format("  level {}:", ++level);

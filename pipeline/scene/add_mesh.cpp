@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <tuple>
 #include <unordered_map>
 
 namespace plumb {
@@ -23,16 +24,17 @@ static uint32_t append(Scene& scene, TriangleMesh mesh, const std::string& place
 }
 
 void warnOfRepairs(Scene& scene, size_t first, const std::string& place) {
-    const std::pair<uint32_t TriangleMesh::*, const char*> repairs[] = {
-        {&TriangleMesh::degenerateFaces, "faces have no area"},
-        {&TriangleMesh::repairedNormals, "corner normals are zero or opposite to their face: the face's is used"},
-        {&TriangleMesh::flushedDenormals, "denormal numbers are set to 0"},
-        {&TriangleMesh::selfCrossingFaces, "faces cross themselves: they are cut as fans"},
+    const std::tuple<uint32_t TriangleMesh::*, const char*, const char*> repairs[] = {  // of one, of several
+        {&TriangleMesh::degenerateFaces, "face has no area", "faces have no area"},
+        {&TriangleMesh::repairedNormals, "corner normal is zero or opposite to its face: the face's is used",
+         "corner normals are zero or opposite to their face: the face's is used"},
+        {&TriangleMesh::flushedDenormals, "denormal number is set to 0", "denormal numbers are set to 0"},
+        {&TriangleMesh::selfCrossingFaces, "face crosses itself: it is cut as a fan", "faces cross themselves: they are cut as fans"},
     };
-    for (const auto& [member, what] : repairs) {
+    for (const auto& [member, one, several] : repairs) {
         uint64_t count = 0;
         for (size_t i = first; i < scene.meshes.size(); ++i) count += scene.meshes[i].*member;
-        if (count > 0) scene.warnings.push_back(fmt::format("{}: {} {}", place, count, what));
+        if (count > 0) scene.warnings.push_back(fmt::format("{}: {} {}", place, count, count == 1 ? one : several));
     }
 }
 

@@ -5,6 +5,7 @@
 #include "pipeline/transform/vector.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <optional>
 
@@ -170,10 +171,19 @@ double TomlValues::numberOf(const toml::node& node, const std::string& field) co
     return value->get();
 }
 
+// Six digits, or as many as it takes to be outside: 1000001 is not 1e+06.
+static std::string numberOutside(double value, double least, double most) {
+    const std::string text = fmt::format("{:g}", value);
+    double shown = 0;
+    std::from_chars(text.data(), text.data() + text.size(), shown);
+    return shown < least || shown > most ? text : fmt::format("{}", value);
+}
+
 double TomlValues::numberOf(const toml::node& node, const std::string& field, double least, double most) const {
     const double value = numberOf(node, field);
     if (value < least || value > most)
-        refuse(node, fmt::format("{} is {:g}, outside {:g} to {:g}", field, value, least, most));
+        refuse(node,
+               fmt::format("{} is {}, outside {:g} to {:g}", field, numberOutside(value, least, most), least, most));
     return value;
 }
 

@@ -74,7 +74,7 @@ class Matrix(unittest.TestCase):
     def test_text_goes_to_standard_output_and_nothing_elsewhere(self):
         r = run("scale=2", "translate=1,2,3", "--inverse")
         self.assertEqual((r.returncode, r.stderr), (0, ""))
-        for piece in ("step 1: S(2, 2, 2)", "step 2: T(1, 2, 3)", "inverse:", "as a tree: 1 products, 1 deep"):
+        for piece in ("step 1: S(2, 2, 2)", "step 2: T(1, 2, 3)", "inverse:", "as a tree: 1 product, 1 deep"):
             self.assertIn(piece, r.stdout)
 
     def test_scenes(self):

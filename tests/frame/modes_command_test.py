@@ -313,6 +313,8 @@ class Refusals(Modes):
         ("background = { cmyk = [0, 0, 0] }\n" + MESH, "bad.toml:1:23: background.cmyk has 3 numbers, not 4"),
         ("background = { cmy = [0, 0, 2] }\n" + MESH, "bad.toml:1:29: background.cmy[2] is 2, outside 0 to 1"),
         ("background = { hsv = [0, 0, 0] }\n" + MESH, "bad.toml:1:16: unknown key 'hsv' in background"),
+        (MESH + "[[material]]\nname = 'x'\nshininess = 1000001", "bad.toml:7:13: material.shininess is 1000001, outside 0 to 1e+06"),
+        (MESH + "[[material]]\nname = 'x'\nshininess = 1e9", "bad.toml:7:13: material.shininess is 1e+09, outside 0 to 1e+06"),
         ("wire = 'hidden'\n" + MESH, "bad.toml:1:8: wire is 'hidden'"),
         ("viewer = 'far'\n" + MESH, "bad.toml:1:10: viewer is 'far'"),
         ("edges = 'twice'\n" + MESH, "bad.toml:1:9: edges is 'twice'"),

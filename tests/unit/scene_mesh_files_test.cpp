@@ -377,9 +377,9 @@ TEST(SceneMeshFiles, RepairsAreCountedAsWarnings) {
     addMeshFile(scene, folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1e-40\nv 2 0 0\nvn 0 0 0\nf 1//1 2//1 3//1\nf 1 2 4\n"), {});
     std::string all;
     for (const std::string& warning : scene.warnings) all += warning + "\n";
-    EXPECT_NE(all.find(": 1 faces have no area"), std::string::npos) << all;
+    EXPECT_NE(all.find(": 1 face has no area"), std::string::npos) << all;
     EXPECT_NE(all.find(": 3 corner normals"), std::string::npos) << all;
-    EXPECT_NE(all.find(": 1 denormal numbers"), std::string::npos) << all;
+    EXPECT_NE(all.find(": 1 denormal number is"), std::string::npos) << all;
 }
 
 TEST(SceneMeshFiles, EveryMeshOfTheRepositoryHasItsLicenceBesideIt) {
