@@ -4,7 +4,7 @@ import os
 import struct
 import zlib
 
-CELL, GAP, COLUMNS = (160, 120), 6, 8
+CELL, GAP, COLUMNS = (160, 120), 6, 7
 BACKGROUND = (20, 22, 26)
 
 
