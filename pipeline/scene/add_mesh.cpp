@@ -18,7 +18,7 @@ static uint32_t append(Scene& scene, TriangleMesh mesh, const std::string& place
     const float extent = std::max({size.x, size.y, size.z});
     if (extent > 0 && extent < kLeastExtent)
         throw inputError(place, fmt::format("the mesh is {:g} across; the smallest that is drawn is {:g}", extent, kLeastExtent));
-    mesh.place = place;
+    if (mesh.place.empty()) mesh.place = place;
     scene.meshes.push_back(std::move(mesh));
     return uint32_t(scene.meshes.size() - 1);
 }
@@ -60,6 +60,7 @@ uint32_t addMesh(Scene& scene, PolygonMesh mesh, const std::string& place, const
         }
         material = found->second;
     }
+    if (mesh.place.empty()) mesh.place = place;
     std::vector<Material> numbered;
     TriangleMesh finished = finishMesh(mesh, numbered, kNone, options);
     PLUMB_ASSERT(numbered.size() == used.size());

@@ -267,6 +267,7 @@ public:
         PLUMB_ASSERT(in_.faceFirst.size() == in_.faceMaterial.size() + 1 || in_.faceMaterial.empty());
         faces_ = in_.faceFirst.empty() ? 0 : in_.faceFirst.size() - 1;
         out_.name = in_.name;
+        out_.place = in_.place;
         weldPositions();
         takeNormals();
         takeMaterials();
@@ -515,7 +516,7 @@ private:
                 for (uint32_t c = first; c < first + n; ++c) cutter.points.push_back({at(c)[u], at(c)[v]});
                 const FaceCutter::Outcome outcome = cutter.run();
                 if (outcome == FaceCutter::Outcome::tooLarge)
-                    throw inputError(printable(in_.name), fmt::format("face {} is concave and has {} corners; at most {} are triangulated", f, n, kMaxConcaveCorners));
+                    throw inputError(in_.place.empty() ? printable(in_.name) : in_.place, fmt::format("face {} is concave and has {} corners; at most {} are triangulated", f, n, kMaxConcaveCorners));
                 if (outcome == FaceCutter::Outcome::selfCrossing && out_.selfCrossingFaces++ == 0) out_.firstSelfCrossing = uint32_t(f);
             }
             for (const FaceCutter::Cut& cut : cutter.cuts) add(cut[0], cut[1], cut[2]);

@@ -57,7 +57,8 @@ uint32_t defaultMaterial(Scene& scene) {
 uint32_t addMeshFile(Scene& scene, const std::filesystem::path& path, const LoadOptions& options) {
     const MeshFormat* format = meshFormatOf(path);
     if (!format) throw unknownFormat(path, ".obj, .ply, .stl, .off");
-    const PolygonMesh polygons = format->read(path, options);
+    PolygonMesh polygons = format->read(path, options);
+    polygons.place = printablePath(path);
     if (options.strict && !polygons.ignored.empty())
         throw inputError(printablePath(path), polygons.ignored.front() + " would be ignored (--strict)");
     const bool bare = std::find(polygons.faceMaterial.begin(), polygons.faceMaterial.end(), kNone) != polygons.faceMaterial.end();

@@ -43,6 +43,7 @@ struct PolygonMesh {
     std::vector<glm::vec3> colours;          // per position (PLY), or empty
     std::vector<std::string> ignored;        // what the file asks for and is not drawn, one entry a kind
     std::vector<std::string> warnings;       // counted ones, e.g. "material library 'x.mtl' is missing"
+    std::string place;                       // where its faces are stated: file:line:column, or the file; for messages
 };
 
 // As drawn. A vertex is a distinct (position, normal, material) triple; a face keeps its own record for flat shading.

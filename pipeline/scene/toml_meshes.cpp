@@ -75,6 +75,7 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
     const toml::node& facesNode = required(table, "faces", "mesh");
     const toml::array& faces = arrayOf(facesNode, "mesh.faces");
     if (faces.empty()) refuse(facesNode, "mesh.faces is empty");
+    mesh.place = place(facesNode);
     mesh.faceFirst.push_back(0);
     for (size_t f = 0; f < faces.size(); ++f) {
         const std::string field = fmt::format("mesh.faces[{}]", f);
@@ -106,7 +107,6 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
         mesh.faceMaterial.assign(faces.size(), materialNode ? materialNamed(*materialNode, "mesh.material") : 0);
     }
     const uint32_t index = addMesh(scene_, std::move(mesh), place(table), options);
-    scene_.meshes[index].place = place(facesNode);
     warnOfRepairs(scene_, index, place(table));
     return index;
 }
