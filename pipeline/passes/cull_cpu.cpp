@@ -5,12 +5,22 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 
 namespace plumb {
 
 namespace {
 
 glm::ivec2 placeOf(const gpu::ScreenVertex& v) { return {v.x, v.y}; }
+
+// std::popcount is a call where the processor is not known to have the instruction, and most masks have no bit or all.
+uint32_t bitsIn(uint32_t mask) {
+    if (mask == 0) return 0;
+    if (mask == 0xffffffffu) return 32;
+    mask -= mask >> 1 & 0x55555555u;
+    mask = (mask & 0x33333333u) + (mask >> 2 & 0x33333333u);
+    return ((mask + (mask >> 4) & 0x0f0f0f0fu) * 0x01010101u) >> 24;
+}
 
 }  // namespace
 
@@ -60,14 +70,14 @@ DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& 
     for (size_t lane = 0; lane < records.size(); ++lane) {
         const gpu::CullRecord& r = records[lane];
         d.places[lane] = uint32_t(next);
-        d.drawn += std::popcount(r.drawn);
-        d.backFacing += std::popcount(r.backFacing);
-        d.zeroArea += std::popcount(r.zeroArea);
-        d.outside += std::popcount(r.outside);
+        d.drawn += bitsIn(r.drawn);
+        d.backFacing += bitsIn(r.backFacing);
+        d.zeroArea += bitsIn(r.zeroArea);
+        d.outside += bitsIn(r.outside);
         d.wide |= r.wide != 0;
         const auto placeOfBit = [&](uint32_t bit) {
             const uint32_t below = (1u << bit) - 1u;
-            return uint32_t(next) + std::popcount(r.drawn & below) + gpu::kClipFan * std::popcount(r.clip & below);
+            return uint32_t(next) + bitsIn(r.drawn & below) + gpu::kClipFan * bitsIn(r.clip & below);
         };
         const auto placed = [&](uint32_t bit) { return PlacedTriangle{placeOfBit(bit), uint32_t(lane * gpu::kTrianglesPerLane + bit)}; };
         for (uint32_t left = r.large | r.wide; left; left &= left - 1) d.large.push_back(placed(std::countr_zero(left)));
@@ -79,7 +89,7 @@ DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& 
             const uint32_t job = uint32_t(d.jobs.size());
             d.jobs.push_back({triangle, list.ranges[range].record, placeOfBit(bit), firstClippedVertex + job * gpu::kClipCorners});
         }
-        next += uint64_t(std::popcount(r.drawn)) + uint64_t(gpu::kClipFan) * std::popcount(r.clip);
+        next += uint64_t(bitsIn(r.drawn)) + uint64_t(gpu::kClipFan) * bitsIn(r.clip);
     }
     if (next > 0x7fffffffu) throw renderError("a chunk has more than 2^31 drawn triangles");
     d.drawCount = uint32_t(next);
@@ -91,6 +101,11 @@ void listDrawn(std::span<const gpu::CullRecord> records, std::span<uint32_t> sou
     uint32_t* to = sources.data();
     for (size_t lane = 0; lane < records.size(); ++lane) {
         const uint32_t first = uint32_t(lane * gpu::kTrianglesPerLane), clip = records[lane].clip;
+        if (records[lane].drawn == 0xffffffffu) {
+            std::iota(to, to + gpu::kTrianglesPerLane, first);
+            to += gpu::kTrianglesPerLane;
+            continue;
+        }
         for (uint32_t left = records[lane].drawn | clip; left; left &= left - 1) {
             const uint32_t bit = uint32_t(std::countr_zero(left));
             if ((clip >> bit & 1) == 0) *to++ = first + bit;

@@ -226,7 +226,7 @@ void GpuFrame::beginBand(const gpu::FrameBox& band, uint32_t planes) {
     firstColour_ = above;
     colours_.reserve(device_, std::max<uint64_t>(planeQuads_, rows * rowQuads_), "colours");
     planeBuffer_.reserve(device_, std::max<uint64_t>(1, uint64_t(planeQuads_) * planeCount(planes)), "planes");
-    recorder_.fill("clear", colours_, prepared_.background & 0xffffffu, firstColour_ * 16, uint64_t(planeQuads_) * 16);
+    if (!clearsEmptyTiles()) recorder_.fill("clear", colours_, prepared_.background & 0xffffffu, firstColour_ * 16, uint64_t(planeQuads_) * 16);
     uint64_t slot = 0;
     const uint64_t bytes = uint64_t(planeQuads_) * 16;
     const auto clear = [&](uint32_t word) { recorder_.fill("clear", planeBuffer_, word, slot++ * bytes, bytes); };
@@ -364,7 +364,30 @@ void GpuFrame::prepare(FillChoices choices, uint32_t planes) {
     prepareFill(recorder_, onDevice(choices), prepared_.list.towardViewer != glm::vec3(0), exact_);
 }
 
+// The fill writes every pixel of a tile with a list: where one draw makes the picture, the others are all that is to clear.
+bool GpuFrame::clearsEmptyTiles() const { return inPlace_ && planes_ == 0; }
+
+void GpuFrame::clearEmptyTiles() {
+    const uint32_t background = prepared_.background & 0xffffffu, pitch = rowPixels();
+    uint32_t* pixels = static_cast<uint32_t*>(colours_.data()) + firstColour_ * 4;
+    const auto clear = [&](uint32_t row, uint32_t from, uint32_t to) {   // tiles of a tile row
+        for (uint32_t y = row * gpu::kTileHeight; y < (row + 1) * gpu::kTileHeight; ++y)
+            std::fill(pixels + size_t(y) * pitch + size_t(from) * gpu::kTileWidth, pixels + size_t(y) * pitch + size_t(to) * gpu::kTileWidth, background);
+    };
+    auto next = tileRecords_.begin();     // in the order of tiles
+    for (uint32_t row = 0; row < tilesY_; ++row) {
+        uint32_t first = 0;
+        for (; next != tileRecords_.end() && next->x >> 16 == row; ++next) {
+            const uint32_t column = next->x & 0xffffu;
+            if (first < column) clear(row, first, column);
+            first = column + 1;
+        }
+        if (first < tilesX_) clear(row, first, tilesX_);
+    }
+}
+
 void GpuFrame::fill(FillChoices choices) {
+    if (clearsEmptyTiles()) clearEmptyTiles();
     choices = onDevice(choices);
     const bool lit = choices.shading == gpu::kShadingPhong && (choices.parts.diffuse || choices.parts.specular);
     const uint32_t lightCount = lit ? uint32_t(chunk_->lights.size()) : 0;

@@ -82,6 +82,8 @@ public:
     gpu::BinPush binPush() const;
 
 private:
+    bool clearsEmptyTiles() const;
+    void clearEmptyTiles();
     void makeRoom();
     void makeStrips();
     void collectLists(uint32_t walked, bool binned);
