@@ -32,6 +32,7 @@ RenderRequest requestOf(const SceneCase& c, Shading shading = Shading::phong, ui
 const SceneCase kSoup{"soupLarge", soupLarge, 131, 67};
 const SceneCase kInside{"inside", inside, 131, 67};
 const SceneCase kSheet{"sheet", sheetOf24, 131, 67};
+const SceneCase kSparse{"sparse", [](View v) { return soup(v, 6, 9, 6); }, 131, 67};   // most tiles are empty
 
 class Frames : public DeviceTest {
 protected:
@@ -275,14 +276,19 @@ TEST_F(Frames, DoNotDependOnChunksAndBands) {
 
 // A scene that stays draws its bands in place, as often as asked.
 TEST_F(Frames, OfAResidentSceneDoNotDependOnBands) {
-    for (const SceneCase& row : {kSoup, kInside, kSheet}) {
+    for (const SceneCase& row : {kSoup, kInside, kSheet, kSparse}) {
         const Scene scene = row.scene();
         RenderRequest request = requestOf(row, Shading::phong);
+        request.background = {0.25f, 0.5f, 0.125f};
         request.transparent = true;
         const Frame whole = renderGpu(device(), scene, request).frame;
         for (uint32_t rows : {0u, 8u, 24u}) {
             SCOPED_TRACE(fmt::format("{}, bands of {} rows", row.name, rows));
             request.bandRows = rows;
+            // Buffers are recycled: what the resident scene finds shall not be its own picture, or empty tiles need not be cleared.
+            RenderRequest other = request;
+            other.background = {0.5f, 0.125f, 0.25f};
+            renderGpu(device(), scene, other);
             ResidentScene resident(device(), scene, request);
             for (int again = 0; again < 2; ++again) {
                 const ResidentScene::Picture picture = resident.draw();
