@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The device's side of a frame, step by step. Each step submits and waits; between steps the host adds up counts, so every list has
-// exactly the size it needs and nothing can overflow (docs/decisions.md). verify puts the twin's output between the steps.
+// The device's side of a frame, step by step. Each step submits and waits; between steps the host adds up counts and completes lists,
+// so nothing can overflow (docs/decisions.md). verify puts the twin's output between the steps.
 #pragma once
 
 #include "pipeline/passes/bin.h"
