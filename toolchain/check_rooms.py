@@ -32,7 +32,7 @@ ROOMS = {
     # Shares no function with the passes: of render/ it reads types only.
     "pipeline/truth": (["pipeline/truth", "pipeline/scene", "pipeline/render/render.h", "pipeline/render/frame.h", "host/error.h"], ["glm", "fmt"]),
     "pipeline/measure": (["pipeline/measure", "pipeline/truth", "pipeline/render", "pipeline/scene", "host/error.h"], ["glm", "fmt"]),
-    "pipeline/image": (["pipeline/image", "pipeline/render", "pipeline/scene", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
+    "pipeline/image": (["pipeline/image", "pipeline/render", "pipeline/scene", "pipeline/passes/parallel.h", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
     "pipeline/compare": (["pipeline/compare", "pipeline/image", "pipeline/render/frame.h", "pipeline/passes/parallel.h", "pipeline/scene", "host/error.h"],
                          ["png", "exr", "fmt"]),
     "pipeline/report": (["pipeline/report", "pipeline/image", "host/error.h"], ["json"]),

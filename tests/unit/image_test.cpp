@@ -2,6 +2,7 @@
 // What is written is what was drawn, and a file is whole or absent.
 #include "host/error.h"
 #include "pipeline/image/image.h"
+#include "pipeline/image/zlib_strips.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -15,9 +16,11 @@
 #include <gtest/gtest.h>
 #include <iterator>
 #include <limits>
+#include <random>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 namespace plumb {
 namespace {
@@ -131,6 +134,44 @@ TEST(Png, HasTheSameBytesAndItsProvenance) {
     EXPECT_NE(text.find("iTXtplumb:scene"), std::string::npos);
     EXPECT_NE(text.find("caf\xc3\xa9"), std::string::npos);
     EXPECT_EQ(text.find("tIME"), std::string::npos) << "a time stamp would change the bytes";
+}
+
+// Rows of bytes that compress a little, in one strip, in several, with a short last one, and one row a strip.
+TEST(ZlibStrips, AreOneStreamOfTheRows) {
+    struct Case {
+        uint32_t rows;
+        size_t rowBytes;
+    };
+    for (const Case c : {Case{1, 1}, {7, 13}, {1024, 128}, {1025, 128}, {3000, 301}, {5, 131072}, {3, 200003}})
+        for (const int level : {1, 4, 6, 9}) {
+            std::vector<unsigned char> want(c.rows * c.rowBytes);
+            std::mt19937 random(c.rows);
+            for (unsigned char& byte : want) byte = random() % 3 == 0 ? static_cast<unsigned char>(random()) : 7;
+            std::vector<std::byte> stream;
+            for (const std::vector<std::byte>& piece :
+                 zlibStrips(c.rows, c.rowBytes, level, [&](uint32_t y, unsigned char* to) { std::copy_n(want.begin() + ptrdiff_t(y * c.rowBytes), c.rowBytes, to); }))
+                stream.insert(stream.end(), piece.begin(), piece.end());
+            std::vector<unsigned char> got(want.size());
+            uLongf size = got.size();
+            EXPECT_EQ(uncompress(got.data(), &size, reinterpret_cast<const Bytef*>(stream.data()), stream.size()), Z_OK) << c.rows << " x " << c.rowBytes;
+            EXPECT_EQ(size, want.size());
+            EXPECT_EQ(got, want) << c.rows << " x " << c.rowBytes;
+        }
+}
+
+TEST(Png, KeepsPicturesOfManyStrips) {
+    const Folder folder;
+    Frame frame = awkwardFrame(701, 301);
+    std::mt19937 random(3);
+    for (uint32_t& p : frame.rgba) p = random();
+    for (const bool alpha : {false, true}) {
+        WriteOptions options;
+        options.alpha = alpha;
+        writeFrame(folder / "a.png", frame, kPlaneColour, options, {});
+        std::vector<uint32_t> want = frame.rgba;
+        for (uint32_t& p : want) p |= alpha ? 0u : 0xff000000u;
+        EXPECT_EQ(readPng(folder / "a.png").rgba, want);
+    }
 }
 
 TEST(Png, RefusesWhatIsNotAPicture) {

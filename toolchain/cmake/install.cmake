@@ -10,7 +10,7 @@ foreach(room ${rooms})
   target_sources(plumbline PRIVATE $<TARGET_OBJECTS:${room}>)
 endforeach()
 target_compile_features(plumbline PUBLIC cxx_std_20)
-target_link_libraries(plumbline PUBLIC glm::glm Threads::Threads PRIVATE fmt::fmt tomlplusplus::tomlplusplus PNG::PNG OpenEXR::OpenEXR
+target_link_libraries(plumbline PUBLIC glm::glm Threads::Threads PRIVATE fmt::fmt tomlplusplus::tomlplusplus PNG::PNG ZLIB::ZLIB OpenEXR::OpenEXR
                       ${CMAKE_DL_LIBS})
 target_include_directories(plumbline INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 
