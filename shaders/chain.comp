@@ -8,6 +8,7 @@ layout(local_size_x_id = 3) in;         // few invocations are spread over the d
 #include "shared/product.h"
 
 layout(constant_id = 2) const bool kMultiplies = true;   // false: sums instead of products; what loading costs by itself
+layout(constant_id = 4) const uint kPerLane = 5u;        // perLane, or 5 where it is more: a pairwise tree has one product an invocation and no loop
 
 layout(push_constant, scalar) uniform Push { ChainPush push; };
 layout(binding = 1) uniform samplerBuffer factors;                        // four texels a matrix
@@ -32,10 +33,10 @@ void main() {
     // First the factors that fill no step of the loop, at most three; then none is asked whether it is there.
     uint few = (last - first) % kFactorsPerStep;
     product = timesIf(few > 0u, product, min(first + 1u, last));
-    product = timesIf(few > 1u, product, min(first + 2u, last));
-    product = timesIf(few > 2u, product, min(first + 3u, last));
+    if (kPerLane > 2u) product = timesIf(few > 1u, product, min(first + 2u, last));
+    if (kPerLane > 3u) product = timesIf(few > 2u, product, min(first + 3u, last));
     uint done = first + few;
-    if (done < last) {
+    if (kPerLane > 4u && done < last) {
         do {
             product = times(times(times(times(product, done + 1u), done + 2u), done + 3u), done + 4u);
             done += kFactorsPerStep;

@@ -104,7 +104,8 @@ void recordChainLevel(Recorder& recorder, const DeviceLimits& limits, Level leve
                               : mostOfBinding(limits, sizeof(gpu::Rows), 4, uint64_t(perLane) * 4);
     for (uint64_t first = 0; first < count; first += most) {
         const uint64_t here = std::min(most, count - first), lanes = (here + perLane - 1) / perLane;
-        const Specialization constants = {{2, level == Level::products}, {3, lanes > kManyLanes ? kLargeGroup : kSmallGroup}};
+        const Specialization constants = {{2, level == Level::products}, {3, lanes > kManyLanes ? kLargeGroup : kSmallGroup},
+                                          {4, std::min(perLane, gpu::kFactorsPerStep + 1)}};
         recorder.dispatch("chain", spirv::chain, lanes, gpu::ChainPush{0, uint32_t(here), perLane, uint32_t(lanes)},
                           {texels(in, View::texelF32x4, first * 64, here * 64), storage(out, first / perLane, lanes)}, constants);
     }
