@@ -85,19 +85,28 @@ void edgesAt(ivec2 centre, ivec2 p0, ivec2 p1, ivec2 p2, out Edges e) {
 // e rounded once, at 4 pixels (x .. x + 3, y) from the block's corner.
 vec4 edgeReal(int hi, int lo, int a, int b, int y) {
     ivec4 low = ivec4(lo + b * y) + ivec4(0, a, 2 * a, 3 * a);
-    if (!kWide) return vec4(low);
-    ivec4 high = ivec4(hi) + (low >> 16);
-    return vec4(high) * 65536.0 + vec4(low & 0xffff);
+    vec4 real = vec4(low);
+    if (kWide) {
+        ivec4 high = ivec4(hi) + (low >> 16);
+        real = vec4(high) * 65536.0 + vec4(low & 0xffff);
+    }
+    return real;
 }
 
 Int encode(Real x) {
-    if (kEncoding == kEncodeLinear) return encodeLinear(x);
-    if (kEncoding == kEncodeNative) return encodeNative(x);
-    Real clamped = clampUnit(x);
-    Int bucket = encodeBucket(clamped);
-    Int word = Int(texelFetch(encodeTable, bucket.x).x, texelFetch(encodeTable, bucket.y).x,
-                   texelFetch(encodeTable, bucket.z).x, texelFetch(encodeTable, bucket.w).x);
-    return encodeInBucket(clamped, word);
+    Int code;
+    if (kEncoding == kEncodeLinear) {
+        code = encodeLinear(x);
+    } else if (kEncoding == kEncodeNative) {
+        code = encodeNative(x);
+    } else {
+        Real clamped = clampUnit(x);
+        Int bucket = encodeBucket(clamped);
+        Int word = Int(texelFetch(encodeTable, bucket.x).x, texelFetch(encodeTable, bucket.y).x,
+                       texelFetch(encodeTable, bucket.z).x, texelFetch(encodeTable, bucket.w).x);
+        code = encodeInBucket(clamped, word);
+    }
+    return code;
 }
 
 #ifdef PLUMB_SHUFFLE
@@ -119,8 +128,21 @@ int tileMax(int v) {        // over the eight invocations of a tile
 uint lowestBit(uint mask) { return uint((floatBitsToInt(float(int(mask & (0u - mask)))) >> 23) - 127); }
 #endif
 
-ivec4 z[4];
-ivec4 id[4];
+// The block of this invocation: its first pixel, where its first row lies in a plane, and whether its tile is one.
+ivec2 pixel;
+uint at;
+bool mine;
+
+// Of its pixels, by row; the fifth is the copy that a loop over rows works on.
+ivec4 z[5];
+ivec4 id[5];
+ivec4 source[5], material[4];
+vec4 carriedX[5], carriedY[5], carriedZ[5], weight[5];
+
+#include "fill_shade.glsl"
+
+// Alone in its tile, with nothing drawn before, a triangle wins wherever it covers: z > 0 is asked for only where a plane or a light's place needs it.
+const bool kAsksDepth = !kOne || kPrior || kPointLights || kPlanes != 0u;
 
 // One triangle at the 16 pixels of this invocation: q, a, b of its edges at the block's first pixel.
 void cover(ivec3 q, ivec3 a, ivec3 b, ivec3 hi, ivec3 lo, DepthPlane depth, int name) {
@@ -129,16 +151,20 @@ void cover(ivec3 q, ivec3 a, ivec3 b, ivec3 hi, ivec3 lo, DepthPlane depth, int 
     ivec4 f1 = along * a.y + q.y;
     ivec4 f2 = along * a.z + q.z;
     [[unroll]] for (int r = 0; r < 4; ++r) {
-        vec4 e2 = kWide ? edgeReal(hi.z, lo.z, a.z, b.z, r) : vec4(f2);
-        vec4 e0 = kWide ? edgeReal(hi.x, lo.x, a.x, b.x, r) : vec4(f0);
-        ivec4 here = depthBits(e2, e0, depth.k1, depth.k2, depth.zc, depth.low, depth.high);
-        if (kDepthBits < 32u) here = coarseDepth(here, kDepthBits);
-        if (kDepthBits == kDepthStandard) here = standardDepth(here);
-        // wins(): here > z, or equal and the lower triangle; both operands are bits of floats in [0, 1].
-        ivec4 key = here + ivec4(lessThan(ivec4(name), id[r]));
-        bvec4 win = lessThan((z[r] - key) & ~(f0 | f1 | f2), ivec4(0));
-        z[r] = mix(z[r], here, win);
-        id[r] = mix(id[r], ivec4(name), win);
+        if (kAsksDepth) {
+            vec4 e2 = kWide ? edgeReal(hi.z, lo.z, a.z, b.z, r) : vec4(f2);
+            vec4 e0 = kWide ? edgeReal(hi.x, lo.x, a.x, b.x, r) : vec4(f0);
+            ivec4 here = depthBits(e2, e0, depth.k1, depth.k2, depth.zc, depth.low, depth.high);
+            if (kDepthBits < 32u) here = coarseDepth(here, kDepthBits);
+            if (kDepthBits == kDepthStandard) here = standardDepth(here);
+            // wins(): here > z, or equal and the lower triangle; both operands are bits of floats in [0, 1].
+            ivec4 key = here + ivec4(lessThan(ivec4(name), id[r]));
+            bvec4 win = lessThan((z[r] - key) & ~(f0 | f1 | f2), ivec4(0));
+            z[r] = mix(z[r], here, win);
+            id[r] = mix(id[r], ivec4(name), win);
+        } else {
+            id[r] = mix(ivec4(name), ivec4(0), lessThan(f0 | f1 | f2, ivec4(0)));
+        }
         f0 += b.x;
         f1 += b.y;
         f2 += b.z;
@@ -177,14 +203,14 @@ void main() {
     int lane = int(gl_LocalInvocationIndex & 7u);
     uint item = group * 8u + (gl_LocalInvocationIndex >> 3u);
 #endif
-    bool mine = item < push.tileCount;
+    mine = item < push.tileCount;
     uvec4 tile = texelFetch(tileRecords, int(min(item, push.tileCount - 1u)));
     ivec2 corner = ivec2(tile.x & 0xffffu, tile.x >> 16u) * ivec2(kTileWidth, kTileHeight);
     ivec2 inTile = ivec2((lane & 3) * 4, (lane >> 2) * 4);
     ivec2 block = corner + inTile;
-    ivec2 pixel = block + ivec2(0, push.firstRow);
+    pixel = block + ivec2(0, push.firstRow);
     ivec2 centre = pixel * kSubpixels + kHalfPixel;
-    uint at = uint(block.y) * push.rowQuads + uint(block.x >> 2);
+    at = uint(block.y) * push.rowQuads + uint(block.x >> 2);
 
     [[unroll]] for (int r = 0; r < 4; ++r) {
         z[r] = kPrior ? ivec4(planes[at + uint(r) * push.rowQuads]) : ivec4(0);
@@ -205,13 +231,28 @@ void main() {
     int hiddenBelow = 0;
     uint k = 0u;
     do {
-        int draw = int(texelFetch(entries, first + min(int(k) + lane, count - 1)).x);
-        uvec4 d = texelFetch(draws, draw);
-        uvec4 v0 = texelFetch(screen, int(d.x));
-        uvec4 v1 = texelFetch(screen, int(d.y));
-        uvec4 v2 = texelFetch(screen, int(d.z));
+        // A triangle that covers the whole tile is nowhere further than its own lowest z, and none is nearer than its own highest:
+        // both are bounds of the depth itself, so what lies behind is left out without changing a bit. Eight that are all left out, in all
+        // tiles of the subgroup, cost no pixels.
+        int draw;
+        uvec4 v0, v1, v2;
         Edges e;
-        edgesAt(tileCentre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), e);
+        bool seen;
+        bool anySeen;
+        do {
+            draw = int(texelFetch(entries, first + min(int(k) + lane, count - 1)).x);
+            uvec4 d = texelFetch(draws, draw);
+            v0 = texelFetch(screen, int(d.x));
+            v1 = texelFetch(screen, int(d.y));
+            v2 = texelFetch(screen, int(d.z));
+            edgesAt(tileCentre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), e);
+            ivec3 least = e.q + min(e.a, 0) * (kTileWidth - 1) + min(e.b, 0) * (kTileHeight - 1);
+            hiddenBelow = max(hiddenBelow, tileMax((least.x | least.y | least.z) >= 0 ? min(min(int(v0.z), int(v1.z)), int(v2.z)) : 0));
+            // Not with a coarser depth, in which what lies behind may tie and be the lower triangle.
+            seen = int(k) + lane < count && (kDepthBits != 32u || max(max(int(v0.z), int(v1.z)), int(v2.z)) >= hiddenBelow);
+            anySeen = clusterMax(seen ? 1u : 0u) != 0u;
+            k += 8u;
+        } while (!anySeen && k < longest);
         DepthPlane depth = depthOf(v0, v1, v2, e);
         ivec3 most = e.q + max(e.a, 0) * 3 + max(e.b, 0) * 3;
         uint blocks = 0u;
@@ -219,13 +260,7 @@ void main() {
             ivec3 there = most + e.a * ((i & 3) * 4) + e.b * ((i >> 2) * 4);
             blocks |= (there.x | there.y | there.z) >= 0 ? 1u << i : 0u;
         }
-        blocks = int(k) + lane < count ? blocks : 0u;
-        // A triangle that covers the whole tile is nowhere further than its own lowest z, and none is nearer than its own highest:
-        // both are bounds of the depth itself, so what lies behind is left out without changing a bit.
-        ivec3 least = e.q + min(e.a, 0) * (kTileWidth - 1) + min(e.b, 0) * (kTileHeight - 1);
-        hiddenBelow = max(hiddenBelow, tileMax((least.x | least.y | least.z) >= 0 ? depth.low : 0));
-        // Not with a coarser depth, in which what lies behind may tie and be the lower triangle.
-        if (kDepthBits == 32u) blocks = depth.high < hiddenBelow ? 0u : blocks;
+        if (!seen) blocks = 0u;
         uint todo = 0u;
         [[unroll]] for (uint i = 0u; i < 8u; ++i) todo |= ((subgroupShuffle(blocks, base | i) >> lane) & 1u) << i;
         uint steps = clusterMax(uint(bitCount(todo)));
@@ -252,7 +287,6 @@ void main() {
             cover(q + a * inTile.x + b * inTile.y, a, b, ivec3(0), ivec3(0), p, subgroupShuffle(draw, from) + 1);
             step++;
         } while (step < steps);
-        k += 8u;
     } while (k < longest);
     fault |= k < longest ? kFaultLoop : 0u;
 #else
@@ -266,8 +300,6 @@ void main() {
     }
 
     // What the visible triangles carry to the 16 pixels: one round for each distinct triangle, from the highest down.
-    vec4 carriedX[4], carriedY[4], carriedZ[4], weight[4];
-    ivec4 source[4], material[4];
     [[unroll]] for (int r = 0; r < 4; ++r) {
         carriedX[r] = carriedY[r] = carriedZ[r] = vec4(0.0);
         weight[r] = vec4(1.0);
@@ -275,13 +307,8 @@ void main() {
         material[r] = ivec4(-1);
     }
 #ifdef PLUMB_VECTORS
-    vec4 lampPlaces[kUnrolledLights], lampIntensities[kUnrolledLights];
+    readLamps();
     [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) {
-        if (i < kLightCount) {
-            int from = (int(push.firstLight) + int(i)) * kLightTexels;
-            lampPlaces[i] = vec4(texelFetch(lights, from).xyz, lightIsAPlace(kLightKinds, i));
-            lampIntensities[i] = vec4(texelFetch(lights, from + 1).xyz, lightAttenuation(kLightKinds, i));
-        }
         [[unroll]] for (uint r = 0u; r < 4u; ++r) {
             towardEye[r] = Toward(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
             towardLamp[4u * i + r] = towardEye[r];
@@ -330,7 +357,7 @@ void main() {
 #endif
         ivec4 below = ivec4(0);
         [[unroll]] for (int r = 0; r < 4; ++r) {
-            bvec4 here = equal(id[r], ivec4(current));
+            bvec4 here = kOne ? bvec4(true) : equal(id[r], ivec4(current));  // alone: what it carries beside its own pixels is not drawn
             if (kShading == kShadingFlat) {
                 carriedX[r] = mix(carriedX[r], vec4(flatColour.x), here);
                 carriedY[r] = mix(carriedY[r], vec4(flatColour.y), here);
@@ -361,8 +388,6 @@ void main() {
     } while (!kOne && current != 0 && rounds < 17);
 
     // What the materials are made of: one round for each distinct material, and most blocks have one.
-    Colour unlit[4];
-    Reflectance reflects[4];
     [[unroll]] for (int r = 0; r < 4; ++r) {
         unlit[r] = Colour(vec4(0.0), vec4(0.0), vec4(0.0));
         reflects[r] = Reflectance(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
@@ -391,212 +416,6 @@ void main() {
         } while (!kOneMaterial && !kOne && current >= 0 && rounds < 17);
     }
 
-    // Of each 2 x 2 pixels the first that is drawn, in lanes: the four are shaded in place of the first row.
-    vec4 coarseX, coarseY, coarseNx, coarseNy, coarseNz, coarseWeight;
-    ivec4 coarseZ, coarseMaterial;
-    Colour coarseColour;
-    if (kCoarse) {
-        [[unroll]] for (int i = 0; i < 4; ++i) {
-            int r = (i >> 1) * 2, l = (i & 1) * 2;
-            bool inX = pixel.x + l + 1 < push.frameEnd.x, inY = pixel.y + r + 1 < push.frameEnd.y;  // tiles reach beyond the frame
-            int which = firstDrawn(id[r][l] != 0, id[r][l + 1] != 0 && inX, id[r + 1][l] != 0 && inY, id[r + 1][l + 1] != 0 && inX && inY) & 3;
-            bool right = (which & 1) != 0, below = which > 1;
-            ivec4 zs = ivec4(z[r][l], z[r][l + 1], z[r + 1][l], z[r + 1][l + 1]);
-            ivec4 ms = ivec4(material[r][l], material[r][l + 1], material[r + 1][l], material[r + 1][l + 1]);
-            vec4 xs = vec4(carriedX[r][l], carriedX[r][l + 1], carriedX[r + 1][l], carriedX[r + 1][l + 1]);
-            vec4 ys = vec4(carriedY[r][l], carriedY[r][l + 1], carriedY[r + 1][l], carriedY[r + 1][l + 1]);
-            vec4 zn = vec4(carriedZ[r][l], carriedZ[r][l + 1], carriedZ[r + 1][l], carriedZ[r + 1][l + 1]);
-            vec4 ws = vec4(weight[r][l], weight[r][l + 1], weight[r + 1][l], weight[r + 1][l + 1]);
-            coarseX[i] = float(pixel.x + l + (right ? 1 : 0)) + 0.5;
-            coarseY[i] = float(pixel.y + r + (below ? 1 : 0)) + 0.5;
-            coarseZ[i] = below ? (right ? zs.w : zs.z) : (right ? zs.y : zs.x);
-            coarseMaterial[i] = below ? (right ? ms.w : ms.z) : (right ? ms.y : ms.x);
-            coarseNx[i] = below ? (right ? xs.w : xs.z) : (right ? xs.y : xs.x);
-            coarseNy[i] = below ? (right ? ys.w : ys.z) : (right ? ys.y : ys.x);
-            coarseNz[i] = below ? (right ? zn.w : zn.z) : (right ? zn.y : zn.x);
-            coarseWeight[i] = below ? (right ? ws.w : ws.z) : (right ? ws.y : ws.x);
-        }
-    }
-
-    ShadeParts parts = ShadeParts(kDiffuse, kSpecular, kPointLights, kPower);
-    int lightCount = int(push.lightCount);
-    int firstLight = int(push.firstLight);
-    vec4 places[kUnrolledLights], intensities[kUnrolledLights];
-    [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) {
-        if (i < kLightCount) {
-            places[i] = vec4(texelFetch(lights, int(i) * kLightTexels).xyz, lightIsAPlace(kLightKinds, i));
-            intensities[i] = vec4(texelFetch(lights, int(i) * kLightTexels + 1).xyz, lightAttenuation(kLightKinds, i));
-        }
-    }
-    [[unroll]] for (int r = 0; r < 4; ++r) {
-        Real x = vec4(float(pixel.x) + 0.5) + vec4(0.0, 1.0, 2.0, 3.0);
-        float y = float(pixel.y + r) + 0.5;
-        Colour c;
-        vec4 nx = carriedX[r];
-        vec4 ny = carriedY[r];
-        vec4 nz = carriedZ[r];
-        vec4 share = weight[r];
-        ivec4 depth = z[r];
-        if (kCoarse && r == 0) {
-            x = coarseX;
-            nx = coarseNx;
-            ny = coarseNy;
-            nz = coarseNz;
-            share = coarseWeight;
-            depth = coarseZ;
-        }
-        if (kCoarse && r > 0) {
-            c = coarseColour;
-        } else if (kShading == kShadingGouraud) {
-            vec4 inverse = reciprocal(share);
-            c = Colour(nx * inverse, ny * inverse, nz * inverse);
-        } else if (kShading == kShadingFlat) {
-            c = Colour(nx, ny, nz);
-        } else {
-            Colour base = unlit[r];
-            Reflectance k = reflects[r];
-            if (kCoarse) {  // pixels of four squares, each of a material of its own
-                mat4 a, d, s;
-                [[unroll]] for (int i = 0; i < 4; ++i) {
-                    int m = kOneMaterial ? 0 : coarseMaterial[i] * kMaterialTexels;
-                    a[i] = texelFetch(materials, m);
-                    d[i] = texelFetch(materials, m + 1);
-                    s[i] = texelFetch(materials, m + 2);
-                }
-                a = transpose(a);
-                d = transpose(d);
-                s = transpose(s);
-                base = Colour(a[0], a[1], a[2]);
-                k = Reflectance(d[0], d[1], d[2], s[0], s[1], s[2], a[3], d[3]);
-            }
-            if (kShading == kShadingUnlit) {
-                c = Colour(k.dr, k.dg, k.db);
-            } else {
-                c = base;
-                if ((kPlanes & kFillPlaneSum) != 0u && push.firstLight != 0u) {
-                    uint sum = at + uint(r) * push.rowQuads + kSlotSum * push.planeQuads;
-                    c.r = uintBitsToFloat(planes[sum]);
-                    c.g = uintBitsToFloat(planes[sum + push.planeQuads]);
-                    c.b = uintBitsToFloat(planes[sum + 2u * push.planeQuads]);
-                    if (kCoarse) {  // all four pixels have the sum of the one
-                        uint lower = sum + 2u * push.rowQuads;
-                        c.r = vec4(c.r.xz, uintBitsToFloat(planes[lower].xz));
-                        c.g = vec4(c.g.xz, uintBitsToFloat(planes[lower + push.planeQuads].xz));
-                        c.b = vec4(c.b.xz, uintBitsToFloat(planes[lower + 2u * push.planeQuads].xz));
-                    }
-                }
-                Surface surface;
-                Real rx = kCoarse ? rayAtEach(push.rayOrigin.x, push.rayX.x, push.rayY.x, x, coarseY) : rayAt(push.rayOrigin.x, push.rayX.x, push.rayY.x, x, y);
-                Real ry = kCoarse ? rayAtEach(push.rayOrigin.y, push.rayX.y, push.rayY.y, x, coarseY) : rayAt(push.rayOrigin.y, push.rayX.y, push.rayY.y, x, y);
-                Real rz = kCoarse ? rayAtEach(push.rayOrigin.z, push.rayX.z, push.rayY.z, x, coarseY) : rayAt(push.rayOrigin.z, push.rayX.z, push.rayY.z, x, y);
-                if (kUnitNormals) {
-                    unitVector(nx, ny, nz);
-                } else {
-                    vec4 inverse = reciprocal(share);
-                    nx *= inverse;
-                    ny *= inverse;
-                    nz *= inverse;
-                }
-                surface.nx = nx;
-                surface.ny = ny;
-                surface.nz = nz;
-                surface.px = rx;
-                surface.py = ry;
-                surface.pz = rz;
-                surface.vx = -rx;
-                surface.vy = -ry;
-                surface.vz = -rz;
-                if (kSpecular) seeFrom(kDistantViewer, push.toward, surface);
-                if (kPointLights) {
-                    Real w = reciprocal(realOf(max(depth, ivec4(1)))) * push.near;
-                    surface.px = rx * w;
-                    surface.py = ry * w;
-                    surface.pz = rz * w;
-                }
-#ifdef PLUMB_VECTORS
-                if (kSpecular && !kDistantViewer) {
-                    surface.vx = towardEye[r].x;
-                    surface.vy = towardEye[r].y;
-                    surface.vz = towardEye[r].z;
-                }
-                [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) {
-                    if (i < kLightCount) {
-                        if (lampPlaces[i].w != 0.0) addLightFrom(towardLamp[4u * i + uint(r)], lampIntensities[i], surface, k, parts, c);
-                        else addLight(lampPlaces[i], lampIntensities[i], surface, k, parts, c);
-                    }
-                }
-#else
-                if (kLightCount != 0u) {
-                    [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i)
-                        if (i < kLightCount) addLight(places[i], intensities[i], surface, k, parts, c);
-                } else {
-                    int light = 0;
-                    do {
-                        if (light < lightCount)
-                            addLight(texelFetch(lights, (firstLight + light) * kLightTexels),
-                                     texelFetch(lights, (firstLight + light) * kLightTexels + 1), surface, k, parts, c);
-                        light++;
-                    } while (light < lightCount);
-                    fault |= light < lightCount ? kFaultLoop : 0u;
-                }
-#endif
-            }
-        }
-        if (kCoarse) {
-            if (r == 0) coarseColour = c;
-            c = r < 2 ? Colour(c.r.xxyy, c.g.xxyy, c.b.xxyy) : Colour(c.r.zzww, c.g.zzww, c.b.zzww);
-        }
-        bvec4 drawn = notEqual(id[r], ivec4(0));
-        uint rowAt = at + uint(r) * push.rowQuads;
-        if (kColour) {
-            uvec4 word = uvec4(encode(c.r) | (encode(c.g) << 8) | (encode(c.b) << 16)) | 0xff000000u;
-            uvec4 behind = kPrior ? colours[rowAt] : uvec4(push.background);
-            if (mine) colours[rowAt] = mix(behind, word, drawn);
-        }
-        if ((kWrite & kFillPlaneZ) != 0u && mine) planes[rowAt] = uvec4(z[r]);
-        if ((kWrite & kFillPlaneTriangle) != 0u) {
-            uint slot = rowAt + kSlotTriangle * push.planeQuads;
-            uvec4 behind = kPrior ? planes[slot] : uvec4(kNoTriangle);
-            if (mine) planes[slot] = mix(behind, uvec4(source[r]) + push.firstTriangle, drawn);
-        }
-        if ((kWrite & kFillPlaneLinear) != 0u) {
-            uint slot = rowAt + kSlotLinear * push.planeQuads;
-            [[unroll]] for (uint i = 0u; i < 3u; ++i) {
-                vec4 behind = kPrior ? uintBitsToFloat(planes[slot]) : vec4(push.backgroundLinear[i]);
-                vec4 value = i == 0u ? c.r : i == 1u ? c.g : c.b;
-                if (mine) planes[slot] = floatBitsToUint(mix(behind, value, drawn));
-                slot += push.planeQuads;
-            }
-        }
-        if ((kWrite & kFillPlaneSum) != 0u) {
-            uint slot = rowAt + kSlotSum * push.planeQuads;
-            if (mine) {
-                planes[slot] = floatBitsToUint(c.r);
-                planes[slot + push.planeQuads] = floatBitsToUint(c.g);
-                planes[slot + 2u * push.planeQuads] = floatBitsToUint(c.b);
-            }
-        }
-        if ((kWrite & kFillPlaneNormal) != 0u) {
-            if (kCoarse) {
-                nx = carriedX[r];
-                ny = carriedY[r];
-                nz = carriedZ[r];
-                if (!kUnitNormals) {
-                    vec4 inverse = reciprocal(weight[r]);
-                    nx *= inverse;
-                    ny *= inverse;
-                    nz *= inverse;
-                }
-            }
-            if (kCoarse || !kUnitNormals) unitVector(nx, ny, nz);
-            uint slot = rowAt + kSlotNormal * push.planeQuads;
-            [[unroll]] for (uint i = 0u; i < 3u; ++i) {
-                vec4 behind = kPrior ? uintBitsToFloat(planes[slot]) : vec4(0.0);
-                vec4 value = i == 0u ? nx : i == 1u ? ny : nz;
-                if (mine) planes[slot] = floatBitsToUint(mix(behind, value, drawn));
-                slot += push.planeQuads;
-            }
-        }
-    }
+    fault |= shadeAndWrite();
     finish(push.statusSlot, fault);
 }

@@ -16,13 +16,19 @@ layout(binding = 3, scalar) writeonly buffer Colours { uvec4 colours[]; };
 layout(binding = 4, scalar) writeonly buffer Linear { vec4 linear[]; };   // three planes, kLinearOut
 
 Int encode(Real x) {
-    if (kEncoding == kEncodeLinear) return encodeLinear(x);
-    if (kEncoding == kEncodeNative) return encodeNative(x);
-    Real clamped = clampUnit(x);
-    Int bucket = encodeBucket(clamped);
-    Int word = Int(texelFetch(encodeTable, bucket.x).x, texelFetch(encodeTable, bucket.y).x,
-                   texelFetch(encodeTable, bucket.z).x, texelFetch(encodeTable, bucket.w).x);
-    return encodeInBucket(clamped, word);
+    Int code;
+    if (kEncoding == kEncodeLinear) {
+        code = encodeLinear(x);
+    } else if (kEncoding == kEncodeNative) {
+        code = encodeNative(x);
+    } else {
+        Real clamped = clampUnit(x);
+        Int bucket = encodeBucket(clamped);
+        Int word = Int(texelFetch(encodeTable, bucket.x).x, texelFetch(encodeTable, bucket.y).x,
+                       texelFetch(encodeTable, bucket.z).x, texelFetch(encodeTable, bucket.w).x);
+        code = encodeInBucket(clamped, word);
+    }
+    return code;
 }
 
 void main() {

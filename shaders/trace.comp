@@ -161,8 +161,10 @@ vec4 sphereRecordOf(int i, out uint material) {
 }
 
 vec4 boardTexel(int i, int k) {
-    if (kOneBoard) return heldBoard[k];
-    return texelFetch(boards, i * kPlaneTexels + k);
+    vec4 texel;
+    if (kOneBoard) texel = heldBoard[k];
+    else texel = texelFetch(boards, i * kPlaneTexels + k);
+    return texel;
 }
 PlaneHit boardAt(int i, vec3 o, vec3 d, uint from, bool inside) {
     return hitPlane(o, d, boardTexel(i, 0), boardTexel(i, 1), boardTexel(i, 2), boardTexel(i, 3), boardTexel(i, 4).z != 0.0,
@@ -336,23 +338,32 @@ void addGathered() {
 #endif
 
 bool goesOn(bool alive) {
+    bool on = alive;
 #ifdef PLUMB_BALLOT
-    if (together()) return sumOf(alive ? 1u : 0u) != 0u;
+    if (together()) on = sumOf(alive ? 1u : 0u) != 0u;
 #endif
-    return alive;
+    return on;
 }
 
 uint encode(float x) {
-    if (kEncoding == kEncodeLinear) return uint(encodeLinear(x));
-    float clamped = clampUnit(x);
-    return uint(encodeInBucket(clamped, int(texelFetch(encodeTable, encodeBucket(clamped)).x)));
+    int code;
+    if (kEncoding == kEncodeLinear) {
+        code = encodeLinear(x);
+    } else {
+        float clamped = clampUnit(x);
+        code = encodeInBucket(clamped, int(texelFetch(encodeTable, encodeBucket(clamped)).x));
+    }
+    return uint(code);
 }
 
 // Column and row of a sample in the frame.
 uvec2 placeOf(uint column, uint row) {
-    if (!kListed) return uvec2(column, row);
-    uint pixel = texelFetch(pixels, int(column / kSide)).x;
-    return uvec2((pixel & 0xffffu) * kSide + column % kSide, (pixel >> 16) * kSide + row);
+    uvec2 place = uvec2(column, row);
+    if (kListed) {
+        uint pixel = texelFetch(pixels, int(column / kSide)).x;
+        place = uvec2((pixel & 0xffffu) * kSide + column % kSide, (pixel >> 16) * kSide + row);
+    }
+    return place;
 }
 uint keyAt(uvec2 place) { return hasKeys() ? keyOfSample(place.x, place.y, push.seed) : 0u; }
 vec3 eyeDirection(uvec2 place) {

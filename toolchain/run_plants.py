@@ -160,15 +160,18 @@ class Worker:
     def module(self, name, raw):
         """Object of a planted module; None when the fault does not reach it."""
         stem = os.path.join(self.out, os.path.basename(raw)[:-len(".raw.spv")])
-        words = [f"-I{self.in_overlay(word[2:])}" if word.startswith("-I") else self.in_overlay(word) for word in self.build.command_of(raw)]
+        places = {end: stem + end for end in (".glslang.spv", ".raw.spv", ".spv", ".h", ".cpp")}
+        placed = lambda words: [next((place for end, place in places.items() if word.endswith(end)), word) for word in words]
+        words = [f"-I{self.in_overlay(word[2:])}" if word.startswith("-I") else self.in_overlay(word)
+                 for word in self.build.command_of(raw.replace(".raw.", ".glslang."))]
         words[words.index("--depfile") + 1] = stem + ".d"
-        words[words.index("-o") + 1] = stem + ".raw.spv"
+        words[words.index("-o") + 1] = stem + ".glslang.spv"
         self.call(words)
+        self.call(placed(self.build.command_of(raw)))
         if filecmp.cmp(stem + ".raw.spv", os.path.join(self.build.path, raw), shallow=False):
             return None
         embed = self.build.command_of(raw.replace(".raw.spv", ".spv"))
-        places = {".raw.spv": stem + ".raw.spv", ".spv": stem + ".spv", ".h": stem + ".h", ".cpp": stem + ".cpp"}
-        self.call([next((place for end, place in places.items() if word.endswith(end)), word) for word in embed])
+        self.call(placed(embed))
         return self.compiled(name, stem + ".cpp")
 
     def attempts(self, row):

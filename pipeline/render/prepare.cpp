@@ -19,6 +19,9 @@ namespace plumb {
 
 namespace {
 
+// From here on a kernel with its lights unrolled pays for the time that it takes to make (docs/decisions.md).
+constexpr uint64_t kPixelsWorthUnrolling = uint64_t(1) << 23;
+
 struct Pinhole {
     double focal = 0;             // sample pixels
     double near = 0;
@@ -296,7 +299,8 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
     if (!diffuse) p.plan.dropped.push_back({"diffuse", "Kd is 0 everywhere"});
     if (!specular) p.plan.dropped.push_back({"specular", "Ks is 0 everywhere"});
     if (!point) p.plan.dropped.push_back({"surface position", "no point light"});
-    if (p.list.lights.size() <= gpu::kUnrolledLights) {
+    const bool manyPixels = request.repeated || uint64_t(p.width) * p.height >= kPixelsWorthUnrolling;
+    if (manyPixels && p.list.lights.size() <= gpu::kUnrolledLights) {
         c.lightCount = uint32_t(p.list.lights.size());
         c.lightKinds = kindsOf(p.list.lights);
     }

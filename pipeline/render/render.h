@@ -69,6 +69,7 @@ struct RenderRequest {
     float minWeight = 0;                  // a ray that weighs less is not followed
     RayChoices rays;
     uint32_t rayLimit = 0;                // tests: rays that a sample follows in one dispatch; forces the list form. 0: as the scene asks
+    bool repeated = false;                // drawn many times: kernels that take longer to make may be faster; changes no byte
     bool keepEverything = false;          // drop nothing that a plan would drop (tests of the drops)
 };
 

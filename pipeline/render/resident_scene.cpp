@@ -20,6 +20,7 @@ struct ResidentScene::Impl {
     Impl(Device& d, const Scene& s, const RenderRequest& r) : device(d), scene(s), request(r) {
         request.planes = kPlaneColour;
         request.transparent = true;       // alpha is coverage
+        request.repeated = true;
         const PlainFloats plain;
         if (request.shading == Shading::ray) trace = std::make_unique<ResidentTrace>(device, scene, request);
         else render = std::make_unique<DeviceRender>(device, scene, request);

@@ -91,12 +91,16 @@ SHARED_FN float emulatedRoot(float a, int seedErrorUlp) {
 }
 
 SHARED_FN float exactDivide(float a, float b) {
-    if (kNativeDivide) return nativeDivide(a, b);  // no plant: both forms give the same bits
-    return emulatedDivide(a, b, 0);
+    float quotient;
+    if (kNativeDivide) quotient = nativeDivide(a, b);  // no plant: both forms give the same bits
+    else quotient = emulatedDivide(a, b, 0);
+    return quotient;
 }
 SHARED_FN float exactRoot(float a) {
-    if (kNativeRoot) return nativeRoot(a);  // no plant: both forms give the same bits
-    return emulatedRoot(a, 0);
+    float root;
+    if (kNativeRoot) root = nativeRoot(a);  // no plant: both forms give the same bits
+    else root = emulatedRoot(a, 0);
+    return root;
 }
 
 // |x| < 2^-103 becomes +0, whatever the driver made of a subnormal product. Sums of snapped values need no snap:

@@ -59,8 +59,7 @@ SHARED_FN float realOfWord(Word64 value, int exponent) {
         low = 0u;
         place = 31;
     }
-    if (high == 0u) return 0.0f;
-    int shift = 31 - highestBit(high);
+    int shift = 31 - highestBit(max(high, 1u));
     if (shift > 0) {
         high = (high << uint(shift)) | (low >> uint(32 - shift));
         low = low << uint(shift);
@@ -69,10 +68,9 @@ SHARED_FN float realOfWord(Word64 value, int exponent) {
     uint rest = high & 255u;
     bool up = rest > 128u || (rest == 128u && (low != 0u || (mantissa & 1u) != 0u));
     int field = place - shift + exponent + 127;
-    if (field < 1) return 0.0f;
     // A carry out of the mantissa is one more in the exponent.
-    int bits = (field << 23) + int(mantissa) - 8388608 + pick(up, 1, 0);
-    return realOf(pick(negative, bits | int(0x80000000u), bits));
+    int bits = (max(field, 1) << 23) + int(mantissa) - 8388608 + pick(up, 1, 0);
+    return realOf(pick(high == 0u || field < 1, 0, pick(negative, bits | int(0x80000000u), bits)));
 }
 
 SHARED_FN float rowTimesBlock(LongRow row, ivec3 p) {

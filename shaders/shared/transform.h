@@ -51,11 +51,12 @@ SHARED_FN float rowTimesVector(vec4 row, vec3 v) { return (row.x * v.x + row.y *
 
 // Signed distance to a clip plane, >= 0 inside. Linear in (x, y, w), so it may be asked for any vertex, also behind the eye.
 SHARED_FN float planeDistance(int plane, float x, float y, float w, Viewport v) {
-    if (plane == kPlaneNear) return w - v.near;
-    if (plane == kPlaneLeft) return x + v.guardX * w;
-    if (plane == kPlaneRight) return v.guardX * w - x;
-    if (plane == kPlaneTop) return y + v.guardY * w;
-    return v.guardY * w - y;
+    float distance = v.guardY * w - y;
+    if (plane == kPlaneNear) distance = w - v.near;
+    if (plane == kPlaneLeft) distance = x + v.guardX * w;
+    if (plane == kPlaneRight) distance = v.guardX * w - x;
+    if (plane == kPlaneTop) distance = y + v.guardY * w;
+    return distance;
 }
 
 SHARED_FN uint outcodeOf(float x, float y, float w, Viewport v) {

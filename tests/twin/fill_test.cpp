@@ -8,8 +8,9 @@ namespace {
 
 class FillTwin : public SceneRows {};
 
-void compareFill(Device& device, const SceneCase& row, const Scene& scene, Shading shading, Encoding encoding, int bandRows, bool distantViewer = false) {
+void compareFill(Device& device, const SceneCase& row, const Scene& scene, Shading shading, Encoding encoding, int bandRows, bool distantViewer = false, bool repeated = false) {
     RenderRequest request = requestOf(row, shading);
+    request.repeated = repeated;
     request.distantViewer = distantViewer;
     request.encoding = encoding;
     request.background = {0.1f, 0.5f, 0.02f};
@@ -66,6 +67,8 @@ TEST_P(FillTwin, LeavesTheSameBytes) {
         SCOPED_TRACE(fmt::format("shading {}", int(shading)));
         compareFill(device(), GetParam(), GetParam().scene(), shading, Encoding::srgb, all);
     }
+    SCOPED_TRACE("lights unrolled");
+    compareFill(device(), GetParam(), GetParam().scene(), Shading::phong, Encoding::srgb, all, false, true);
 }
 TEST_P(FillTwin, LeavesTheSameBytesInBandsOfEightRows) {
     compareFill(device(), GetParam(), GetParam().scene(), Shading::phong, Encoding::linear, 8);
@@ -92,7 +95,7 @@ TEST_F(FillVariant, EveryNumberOfLightsAndMaterials) {
                 if (materials > 1) scene.meshes[0] = row.scene().meshes[0];
                 if (!specular)
                     for (Material& m : scene.materials) m.specular = glm::vec3(0);
-                compareFill(device(), row, scene, Shading::phong, Encoding::srgb, int(row.height));
+                for (const bool repeated : {false, true}) compareFill(device(), row, scene, Shading::phong, Encoding::srgb, int(row.height), false, repeated);
             }
 }
 
@@ -156,7 +159,37 @@ TEST_F(FillVariant, TilesOfOneTriangleApart) {
     ASSERT_GE(size_t(std::count(counts.begin(), counts.end(), 1u)), kOnesApart) << "not enough of them: this shows nothing";
     for (Shading shading : {Shading::unlit, Shading::flat, Shading::gouraud, Shading::phong}) {
         SCOPED_TRACE(fmt::format("shading {}", int(shading)));
-        compareFill(device(), row, row.scene(), shading, Encoding::srgb, int(row.height));
+        compareFill(device(), row, row.scene(), shading, Encoding::srgb, int(row.height), false, true);
+    }
+    // Without planes and places nobody asks for depth.
+    Scene directional = row.scene();
+    for (Light& light : directional.lights) light = {.directional = true, .direction = {0.2, 0.3, 1}, .intensity = light.intensity};
+    for (const bool repeated : {false, true}) {
+        RenderRequest request = requestOf(row);
+        request.planes = kPlaneColour;
+        request.repeated = repeated;
+        EXPECT_EQ(renderCpu(directional, request).frame.rgba, renderGpu(device(), directional, request).frame.rgba);
+    }
+}
+
+// Forty layers over the whole frame, level and slanted, from the nearest and from the farthest: most of a tile's list lies behind what covers it.
+Scene layers(View v, bool nearestFirst) {
+    std::vector<Corners> soup;
+    const double right = v.width + 9, low = v.height + 9;
+    for (int i = 0; i < 20; ++i) {
+        const double depth = nearestFirst ? 2 + i / 2 : 12 - i / 2;   // each twice: ties
+        const double far = depth + (i % 3 == 0 ? 0.75 : 0);
+        soup.push_back({v.pointAt(-9, -9, depth), v.pointAt(right, -9, far), v.pointAt(right, low, depth)});
+        soup.push_back({v.pointAt(-9, -9, depth), v.pointAt(right, low, depth), v.pointAt(-9, low, far)});
+    }
+    soup.push_back({v.pointAt(30, 20, 1.5), v.pointAt(80, 25, 1.75), v.pointAt(50, 50, 30)});
+    return sceneOf(soup);
+}
+TEST_F(FillVariant, WhatLiesBehindALayerIsLeftOut) {
+    for (const SceneCase& row : {SceneCase{"nearestFirst", [](View v) { return layers(v, true); }, 131, 67},
+                                 SceneCase{"farthestFirst", [](View v) { return layers(v, false); }, 131, 67}}) {
+        SCOPED_TRACE(row.name);
+        compareFill(device(), row, row.scene(), Shading::phong, Encoding::srgb, int(row.height));
     }
 }
 

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: MIT
 # plumb_shader(TARGET stem [VARIANT suffix] [DEFINES -DX ...] [FOLDER shaders]): FOLDER/<stem>.comp -> SPIR-V (glslang,
-# dependency file) -> every float operation decorated NoContraction and embedded by plumb_spirv_embed: declared in
+# dependency file) -> functions inlined and variables made values (spirv-opt) -> every float operation decorated NoContraction and embedded by plumb_spirv_embed: declared in
 # <spirv/<stem><suffix>.h>, defined in a source of TARGET. Who links TARGET finds both; TARGET may be an INTERFACE library.
+# Drivers do the same at every start, on the sides of branches too that constants rule out later: docs/decisions.md. None of these passes evaluates, moves
+# or joins an operation on floats, and NoContraction is set after them.
+set(PLUMB_SPIRV_PASSES --inline-entry-points-exhaustive --eliminate-dead-functions --private-to-local --scalar-replacement=0
+    --eliminate-local-single-block --eliminate-local-single-store --eliminate-dead-code-aggressive)
 function(plumb_shader target stem)
   cmake_parse_arguments(S "" "VARIANT;FOLDER" "DEFINES" ${ARGN})
   set(name ${stem}${S_VARIANT})
@@ -15,10 +19,14 @@ function(plumb_shader target stem)
   set(dir ${CMAKE_BINARY_DIR}/generated/spirv)
   file(MAKE_DIRECTORY ${dir})
   add_custom_command(
-    OUTPUT ${dir}/${name}.raw.spv
+    OUTPUT ${dir}/${name}.glslang.spv
     COMMAND ${GLSLANG} -V --quiet --target-env vulkan1.2 -I${CMAKE_SOURCE_DIR}/shaders ${S_DEFINES}
-            --depfile ${dir}/${name}.d -o ${dir}/${name}.raw.spv ${source}
+            --depfile ${dir}/${name}.d -o ${dir}/${name}.glslang.spv ${source}
     DEPENDS ${source} DEPFILE ${dir}/${name}.d VERBATIM COMMENT "glslang ${name}")
+  add_custom_command(
+    OUTPUT ${dir}/${name}.raw.spv
+    COMMAND ${SPIRV_OPT} --target-env=vulkan1.2 --scalar-block-layout ${PLUMB_SPIRV_PASSES} -o ${dir}/${name}.raw.spv ${dir}/${name}.glslang.spv
+    DEPENDS ${dir}/${name}.glslang.spv VERBATIM COMMENT "spirv-opt ${name}")
   add_custom_command(
     OUTPUT ${dir}/${name}.h ${dir}/${name}.cpp ${dir}/${name}.spv
     COMMAND plumb_spirv_embed ${name} ${dir}/${name}.raw.spv ${dir}/${name}.spv ${dir}/${name}.h ${dir}/${name}.cpp
