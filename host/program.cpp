@@ -343,8 +343,7 @@ Program DeviceImpl::make(const Module& module, const Specialization& constants) 
     program.reflection = reflect(module, constants);
     const Reflection& r = program.reflection;
     for (const auto& [id, value] : constants)
-        // kNativeDivide and kNativeRoot are in every source, but not in a module that neither divides nor takes a root.
-        if (id > 1 && !std::binary_search(r.specializationIds.begin(), r.specializationIds.end(), id)) {
+        if (!std::binary_search(r.specializationIds.begin(), r.specializationIds.end(), id)) {
             std::string has = "none";
             for (size_t i = 0; i < r.specializationIds.size(); ++i)
                 has = fmt::format("{}{} {}", i ? has + ", " : "", r.specializationIds[i], r.specializationNames[i]);

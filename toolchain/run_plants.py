@@ -160,7 +160,7 @@ class Worker:
     def module(self, name, raw):
         """Object of a planted module; None when the fault does not reach it."""
         stem = os.path.join(self.out, os.path.basename(raw)[:-len(".raw.spv")])
-        places = {end: stem + end for end in (".glslang.spv", ".raw.spv", ".spv", ".h", ".cpp")}
+        places = {end: stem + end for end in (".glslang.spv", ".raw.spv", ".judged.spv", ".spv", ".h", ".cpp")}
         placed = lambda words: [next((place for end, place in places.items() if word.endswith(end)), word) for word in words]
         words = [f"-I{self.in_overlay(word[2:])}" if word.startswith("-I") else self.in_overlay(word)
                  for word in self.build.command_of(raw.replace(".raw.", ".glslang."))]

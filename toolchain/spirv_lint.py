@@ -14,9 +14,12 @@ thing more: Pow, in the functions nativePow, which only NATIVE_CALLERS call.
 Modules with "_double" in their names may hold binary64, its conversions and the reading of its words, in the functions rowTimesDouble, which only
 DOUBLE_CALLERS call: host/binary64.cpp asks a device whether it keeps those before it runs them.
 
+Functions are judged in modules as glslang wrote them, before the build inlines them; of the modules that are embedded (--inlined) everything but which
+function an instruction stands in.
+
 Modules whose name starts with "selftest" or "canary" measure the device and are listed, not judged.
 
-usage: spirv_lint.py [--quiet] MODULE.spv...    exit 1 on a fault; --list FILE: one path a line
+usage: spirv_lint.py [--quiet] MODULE.spv... [--inlined MODULE.spv...]    exit 1 on a fault; --list FILE: one path a line
 """
 import os
 import struct
@@ -102,8 +105,9 @@ def read(path):
     return list(struct.unpack(f"<{len(data) // 4}I", data))
 
 
-def lint(words, native=False, double=False):
-    """(faults as sentences, number of exact float operations). native: the module may hold the device's own power; double: binary64."""
+def lint(words, native=False, double=False, inlined=False):
+    """(faults as sentences, number of exact float operations). native: the module may hold the device's own power; double: binary64; inlined: its
+    functions are gone, so what they may hold may stand anywhere."""
     faults, names, no_contraction, sets, exact = [], {}, set(), {}, 0
     for _, op, a in instructions(words):
         if op == OP_NAME:
@@ -130,14 +134,14 @@ def lint(words, native=False, double=False):
             function = name_of(a[1])
         if function is None:
             continue
-        seeds = function in SEEDS
-        doubles = double and function == DOUBLE
+        seeds = inlined or function in SEEDS
+        doubles = double and (inlined or function == DOUBLE)
         if op == 12:
             if sets.get(a[2], "").startswith("NonSemantic."):
                 pass
             elif sets.get(a[2]) != "GLSL.std.450":
                 faults.append(f"{function}: instruction of {sets.get(a[2], 'an unknown set')}")
-            elif a[3] not in ALLOWED_EXT and not (seeds and a[3] in SEED_EXT) and not (native and function == NATIVE and a[3] == NATIVE_EXT) \
+            elif a[3] not in ALLOWED_EXT and not (seeds and a[3] in SEED_EXT) and not (native and (inlined or function == NATIVE) and a[3] == NATIVE_EXT) \
                     and not (doubles and a[3] == DOUBLE_EXT):
                 faults.append(f"{function}: GLSL.std.450 {EXT_NAMES.get(a[3], a[3])} is not exact")
         elif op == OP_FUNCTION_CALL and name_of(a[2]) in SEEDS and function not in CALLERS:
@@ -170,27 +174,30 @@ def is_double(path):
 
 
 def paths_of(arguments):
-    paths, rest = [], iter(arguments)
+    """(path, whether its functions are inlined) of each module named."""
+    paths, inlined, rest = [], False, iter(arguments)
     for argument in rest:
-        if argument == "--list":
+        if argument == "--inlined":
+            inlined = True
+        elif argument == "--list":
             with open(next(rest), encoding="utf-8") as f:
-                paths += [line.strip() for line in f if line.strip()]
+                paths += [(line.strip(), inlined) for line in f if line.strip()]
         elif not argument.startswith("-"):
-            paths.append(argument)
+            paths.append((argument, inlined))
     return paths
 
 
 def main():
     paths = paths_of(sys.argv[1:])
     faulty = judged = 0
-    for path in paths:
+    for path, inlined in paths:
         name = os.path.basename(path)
         try:
             if exempt(path):
                 read(path)
                 print(f"{name}: measures the device, not judged")
                 continue
-            faults, exact = lint(read(path), is_native(path), is_double(path))
+            faults, exact = lint(read(path), is_native(path), is_double(path), inlined)
         except (OSError, ValueError, IndexError) as error:
             faults, exact = [str(error)], 0
         judged += 1

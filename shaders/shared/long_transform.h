@@ -59,7 +59,7 @@ SHARED_FN float realOfWord(Word64 value, int exponent) {
         low = 0u;
         place = 31;
     }
-    int shift = 31 - highestBit(max(high, 1u));
+    int shift = 31 - highestBit(max(high, 1u));  // no plant: what comes of 0 is not read
     if (shift > 0) {
         high = (high << uint(shift)) | (low >> uint(32 - shift));
         low = low << uint(shift);
@@ -69,6 +69,7 @@ SHARED_FN float realOfWord(Word64 value, int exponent) {
     bool up = rest > 128u || (rest == 128u && (low != 0u || (mantissa & 1u) != 0u));
     int field = place - shift + exponent + 127;
     // A carry out of the mantissa is one more in the exponent.
+    // no plant: what comes of a field below 1 is not read
     int bits = (max(field, 1) << 23) + int(mantissa) - 8388608 + pick(up, 1, 0);
     return realOf(pick(high == 0u || field < 1, 0, pick(negative, bits | int(0x80000000u), bits)));
 }

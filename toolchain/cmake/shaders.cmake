@@ -5,7 +5,7 @@
 # Drivers do the same at every start, on the sides of branches too that constants rule out later: docs/decisions.md. None of these passes evaluates, moves
 # or joins an operation on floats, and NoContraction is set after them.
 set(PLUMB_SPIRV_PASSES --inline-entry-points-exhaustive --eliminate-dead-functions --private-to-local --scalar-replacement=0
-    --eliminate-local-single-block --eliminate-local-single-store --eliminate-dead-code-aggressive)
+    --eliminate-local-single-block --eliminate-local-single-store --eliminate-dead-code-aggressive --preserve-bindings --preserve-spec-constants)
 function(plumb_shader target stem)
   cmake_parse_arguments(S "" "VARIANT;FOLDER" "DEFINES" ${ARGN})
   set(name ${stem}${S_VARIANT})
@@ -28,8 +28,9 @@ function(plumb_shader target stem)
     COMMAND ${SPIRV_OPT} --target-env=vulkan1.2 --scalar-block-layout ${PLUMB_SPIRV_PASSES} -o ${dir}/${name}.raw.spv ${dir}/${name}.glslang.spv
     DEPENDS ${dir}/${name}.glslang.spv VERBATIM COMMENT "spirv-opt ${name}")
   add_custom_command(
-    OUTPUT ${dir}/${name}.h ${dir}/${name}.cpp ${dir}/${name}.spv
+    OUTPUT ${dir}/${name}.h ${dir}/${name}.cpp ${dir}/${name}.spv ${dir}/${name}.judged.spv
     COMMAND plumb_spirv_embed ${name} ${dir}/${name}.raw.spv ${dir}/${name}.spv ${dir}/${name}.h ${dir}/${name}.cpp
+            ${dir}/${name}.glslang.spv ${dir}/${name}.judged.spv
     DEPENDS plumb_spirv_embed ${dir}/${name}.raw.spv VERBATIM COMMENT "embed ${name}")
   set_source_files_properties(${dir}/${name}.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
   target_sources(${target} PRIVATE ${dir}/${name}.h)
@@ -42,4 +43,5 @@ function(plumb_shader target stem)
     target_include_directories(${target} PUBLIC ${CMAKE_BINARY_DIR}/generated)
   endif()
   set_property(GLOBAL APPEND PROPERTY PLUMB_SPIRV_FILES ${dir}/${name}.spv)
+  set_property(GLOBAL APPEND PROPERTY PLUMB_SPIRV_JUDGED ${dir}/${name}.judged.spv)  # the same with its functions, for the lint
 endfunction()

@@ -144,6 +144,15 @@ std::string source(const std::string& name, const std::vector<uint32_t>& words) 
            sha256Hex(bytesOf(words)) + "\"};\n}  // namespace plumb::spirv\n";
 }
 
+std::vector<uint32_t> read(const char* path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+    if (!file || bytes.size() % 4 != 0) throw std::runtime_error(std::string("cannot read whole words from ") + path);
+    std::vector<uint32_t> words(bytes.size() / 4);
+    std::memcpy(words.data(), bytes.data(), bytes.size());
+    return words;
+}
+
 void write(const char* path, const void* data, size_t bytes) {
     std::ofstream file(path, std::ios::binary | std::ios::trunc);
     file.write(static_cast<const char*>(data), std::streamsize(bytes));
@@ -154,8 +163,9 @@ void write(const char* path, const void* data, size_t bytes) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 6) {
-        std::fputs("usage: plumb_spirv_embed NAME IN.spv OUT.spv OUT.h OUT.cpp\n", stderr);
+    if (argc != 8) {
+        std::fputs("usage: plumb_spirv_embed NAME IN.spv OUT.spv OUT.h OUT.cpp FUNCTIONS_IN.spv FUNCTIONS_OUT.spv\n"
+                   "FUNCTIONS: the module before its functions were inlined, with the same decorations, for the lint\n", stderr);
         return 2;
     }
     try {
@@ -163,14 +173,10 @@ int main(int argc, char** argv) {
         for (const char c : name)
             if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_')
                 throw std::runtime_error("the name is not a C++ identifier");
-        std::ifstream file(argv[2], std::ios::binary);
-        const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-        if (!file || bytes.size() % 4 != 0) throw std::runtime_error("cannot read whole words");
-        std::vector<uint32_t> words(bytes.size() / 4);
-        std::memcpy(words.data(), bytes.data(), bytes.size());
-        words = decorated(words);
+        const std::vector<uint32_t> words = decorated(read(argv[2])), functions = decorated(read(argv[6]));
         const std::string declares = header(name), defines = source(name, words);
         write(argv[3], words.data(), words.size() * 4);
+        write(argv[7], functions.data(), functions.size() * 4);
         write(argv[4], declares.data(), declares.size());
         write(argv[5], defines.data(), defines.size());
     } catch (const std::exception& error) {
