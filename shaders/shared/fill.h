@@ -72,7 +72,7 @@ SHARED_CONST uint kFillPlaneLinear = 4u;    // three planes
 SHARED_CONST uint kFillPlaneNormal = 8u;    // three planes: world, unit
 SHARED_CONST uint kFillPlaneSum = 16u;      // three planes: light added up so far, between the windows of kLightsPerWindow
 
-// One invocation may loop 65,535 times in all (lavapipe): a list entry costs at most 9/8 rounds, a light four (one a row of the block).
+// One invocation may loop 65,535 times in all (lavapipe): a list entry costs at most 10/8 rounds, a light four (one a row of the block).
 // Longer lists are drawn in slices, more lights in windows: each window finds the same triangles again and goes on with the sum of the one before,
 // light by light in the same order, so the bytes are those of one window.
 SHARED_CONST uint kTileListLimit = 40000u;

@@ -141,11 +141,11 @@ TEST_F(FillVariant, ADistantViewer) {
     for (Shading shading : {Shading::flat, Shading::gouraud, Shading::phong}) compareFill(device(), row, row.scene(), shading, Encoding::srgb, int(row.height), true);
 }
 
-// A wall that fills the frame, and little before it: nearly every tile has one triangle.
+// A wall that fills the frame but for its left side, and little before it: nearly every tile has one triangle.
 Scene wall(View v) {
     const double right = v.width + 9, low = v.height + 9;
-    return sceneOf({{v.pointAt(-9, -9, 2), v.pointAt(right, -9, 4), v.pointAt(right, low, 7)},
-                    {v.pointAt(-9, -9, 2), v.pointAt(right, low, 7), v.pointAt(-9, low, 3)},
+    return sceneOf({{v.pointAt(3, -9, 2), v.pointAt(right, -9, 4), v.pointAt(right, low, 7)},
+                    {v.pointAt(3, -9, 2), v.pointAt(right, low, 7), v.pointAt(14, low, 3)},
                     {v.pointAt(200, 90, 1), v.pointAt(260, 300, 1), v.pointAt(320, 110, 1.5)}});
 }
 TEST_F(FillVariant, TilesOfOneTriangleApart) {
@@ -185,8 +185,24 @@ Scene layers(View v, bool nearestFirst) {
     soup.push_back({v.pointAt(30, 20, 1.5), v.pointAt(80, 25, 1.75), v.pointAt(50, 50, 30)});
     return sceneOf(soup);
 }
+// Groups of layers behind one that covers the frame, each with something before it: whatever the order of groups in a list, eight that are hidden come
+// before one that is seen.
+Scene layersAmongOthers(View v) {
+    std::vector<Corners> soup;
+    const double right = v.width + 9, low = v.height + 9;
+    for (int group = 0; group < 6; ++group) {
+        for (int i = 0; i < 10; ++i) {
+            const double depth = i == 0 ? 5 : 8 + i;
+            soup.push_back({v.pointAt(-9, -9, depth), v.pointAt(right, -9, depth), v.pointAt(right, low, depth)});
+            soup.push_back({v.pointAt(-9, -9, depth), v.pointAt(right, low, depth), v.pointAt(-9, low, depth)});
+        }
+        soup.push_back({v.pointAt(9 + 3 * group, 5, 4 - 0.4 * group), v.pointAt(120, 20 + 5 * group, 4 - 0.4 * group), v.pointAt(40, 63 - 4 * group, 4 - 0.4 * group)});
+    }
+    return sceneOf(soup);
+}
 TEST_F(FillVariant, WhatLiesBehindALayerIsLeftOut) {
-    for (const SceneCase& row : {SceneCase{"nearestFirst", [](View v) { return layers(v, true); }, 131, 67},
+    for (const SceneCase& row : {SceneCase{"layersAmongOthers", layersAmongOthers, 131, 67},
+                                 SceneCase{"nearestFirst", [](View v) { return layers(v, true); }, 131, 67},
                                  SceneCase{"farthestFirst", [](View v) { return layers(v, false); }, 131, 67}}) {
         SCOPED_TRACE(row.name);
         compareFill(device(), row, row.scene(), Shading::phong, Encoding::srgb, int(row.height));
