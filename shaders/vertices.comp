@@ -73,8 +73,10 @@ vec4 mark(uint vertex) { return markOf(m0, vertex); }
 #endif
 
 vec4 resultOf(uint vertex) {
-    if (!kLoads) return mark(vertex);
-    return transformed(texelFetch(vertices, int(min(vertex, push.vertexCount - 1u))));
+    vec4 result;
+    if (kLoads) result = transformed(texelFetch(vertices, int(min(vertex, push.vertexCount - 1u))));
+    else result = mark(vertex);
+    return result;
 }
 void storePair(uint pair) {
     vec4 first = resultOf(2u * pair), second = resultOf(2u * pair + 1u);

@@ -17,9 +17,9 @@ glm::ivec2 placeOf(const gpu::ScreenVertex& v) { return {v.x, v.y}; }
 uint32_t bitsIn(uint32_t mask) {
     if (mask == 0) return 0;
     if (mask == 0xffffffffu) return 32;
-    mask -= mask >> 1 & 0x55555555u;
-    mask = (mask & 0x33333333u) + (mask >> 2 & 0x33333333u);
-    return ((mask + (mask >> 4) & 0x0f0f0f0fu) * 0x01010101u) >> 24;
+    mask -= (mask >> 1) & 0x55555555u;
+    mask = (mask & 0x33333333u) + ((mask >> 2) & 0x33333333u);
+    return (((mask + (mask >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24;
 }
 
 }  // namespace
