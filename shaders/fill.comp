@@ -93,21 +93,7 @@ vec4 edgeReal(int hi, int lo, int a, int b, int y) {
     return real;
 }
 
-Int encode(Real x) {
-    Int code;
-    if (kEncoding == kEncodeLinear) {
-        code = encodeLinear(x);
-    } else if (kEncoding == kEncodeNative) {
-        code = encodeNative(x);
-    } else {
-        Real clamped = clampUnit(x);
-        Int bucket = encodeBucket(clamped);
-        Int word = Int(texelFetch(encodeTable, bucket.x).x, texelFetch(encodeTable, bucket.y).x,
-                       texelFetch(encodeTable, bucket.z).x, texelFetch(encodeTable, bucket.w).x);
-        code = encodeInBucket(clamped, word);
-    }
-    return code;
-}
+#include "encode.glsl"
 
 #ifdef PLUMB_SHUFFLE
 uint clusterMax(uint v) {   // over the subgroup, so that loops over it are uniform

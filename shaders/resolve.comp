@@ -15,21 +15,7 @@ layout(binding = 2) uniform usamplerBuffer encodeTable;
 layout(binding = 3, scalar) writeonly buffer Colours { uvec4 colours[]; };
 layout(binding = 4, scalar) writeonly buffer Linear { vec4 linear[]; };   // three planes, kLinearOut
 
-Int encode(Real x) {
-    Int code;
-    if (kEncoding == kEncodeLinear) {
-        code = encodeLinear(x);
-    } else if (kEncoding == kEncodeNative) {
-        code = encodeNative(x);
-    } else {
-        Real clamped = clampUnit(x);
-        Int bucket = encodeBucket(clamped);
-        Int word = Int(texelFetch(encodeTable, bucket.x).x, texelFetch(encodeTable, bucket.y).x,
-                       texelFetch(encodeTable, bucket.z).x, texelFetch(encodeTable, bucket.w).x);
-        code = encodeInBucket(clamped, word);
-    }
-    return code;
-}
+#include "encode.glsl"
 
 void main() {
     uint item = itemIndex();

@@ -444,27 +444,12 @@ constexpr std::array<ExitRow, 10> kExitCodes = {{{0, "done, and every gate held"
                                                  {130, "interrupted"},
                                                  {143, "terminated"}}};
 
-size_t distance(std::string_view a, std::string_view b) {  // Levenshtein
-    std::vector<size_t> row(b.size() + 1);
-    for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (size_t i = 1; i <= a.size(); ++i) {
-        size_t diagonal = row[0];
-        row[0] = i;
-        for (size_t j = 1; j <= b.size(); ++j) {
-            const size_t above = row[j];
-            row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
-            diagonal = above;
-        }
-    }
-    return row[b.size()];
-}
-
 // "; did you mean 'x'?" for the nearest word that is at most two edits away.
 std::string suggestion(std::string_view word, const std::vector<std::string>& words) {
     std::string best;
     size_t least = 3;
     for (const std::string& w : words) {
-        const size_t d = distance(word, w);
+        const size_t d = editDistance(word, w, Letters::asWritten);
         if (d < least) least = d, best = w;
     }
     return best.empty() ? "" : fmt::format("; did you mean '{}'?", best);

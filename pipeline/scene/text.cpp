@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/scene/text.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <limits>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <vector>
 
 namespace plumb {
 namespace {
@@ -69,6 +71,25 @@ std::string printable(std::string_view text, size_t maxChars) {
         at += length ? length : 1;
     }
     return out;
+}
+
+size_t editDistance(std::string_view a, std::string_view b, Letters letters) {
+    const auto same = [&](char x, char y) {
+        const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
+        return letters == Letters::anyCase ? lower(x) == lower(y) : x == y;
+    };
+    std::vector<size_t> row(b.size() + 1);
+    for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (size_t i = 1; i <= a.size(); ++i) {
+        size_t diagonal = row[0];
+        row[0] = i;
+        for (size_t j = 1; j <= b.size(); ++j) {
+            const size_t above = row[j];
+            row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + !same(a[i - 1], b[j - 1])});
+            diagonal = above;
+        }
+    }
+    return row[b.size()];
 }
 
 std::string printablePath(const std::filesystem::path& path) { return printable(path.native()); }

@@ -30,6 +30,10 @@ std::string placeOfByte(const std::filesystem::path&, uint64_t offset);
 std::string placeOfPointer(const std::filesystem::path&, std::string_view pointer);
 std::string printablePath(const std::filesystem::path&);
 
+// Levenshtein's distance, for "did you mean"; anyCase takes ASCII letters of both cases for the same.
+enum class Letters { asWritten, anyCase };
+size_t editDistance(std::string_view a, std::string_view b, Letters letters);
+
 // The whole file. Refused: what is missing or not a regular file (folder, FIFO, device, socket; never opened in a way
 // that blocks), more than `maxBytes` (before anything is allocated), a file that shrinks while it is read.
 std::string readWholeFile(const std::filesystem::path&, uint64_t maxBytes = kMaxFileBytes);

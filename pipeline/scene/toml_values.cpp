@@ -27,25 +27,6 @@ float linearOfSrgb(double encoded) {
 
 }  // namespace
 
-size_t editDistance(std::string_view a, std::string_view b) {
-    const auto same = [](char x, char y) {
-        const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
-        return lower(x) == lower(y);
-    };
-    std::vector<size_t> row(b.size() + 1);
-    for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (size_t i = 1; i <= a.size(); ++i) {
-        size_t diagonal = row[0];
-        row[0] = i;
-        for (size_t j = 1; j <= b.size(); ++j) {
-            const size_t above = row[j];
-            row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + !same(a[i - 1], b[j - 1])});
-            diagonal = above;
-        }
-    }
-    return row[b.size()];
-}
-
 const char* kindOf(const toml::node& node) {
     switch (node.type()) {
         case toml::node_type::table:

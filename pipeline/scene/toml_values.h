@@ -21,9 +21,6 @@ namespace plumb::scene_file {
 
 inline constexpr int kMaxDepth = 64;  // of keys and of object hierarchies: what recurses stays off the stack's end
 
-// Levenshtein's, blind to the case of ASCII letters.
-size_t editDistance(std::string_view a, std::string_view b);
-
 // "; did you mean 'x'?" for a slip of the pen, else "; known: a, b, c".
 template <class Names>
 std::string suggestion(std::string_view word, const Names& known) {
@@ -34,7 +31,7 @@ std::string suggestion(std::string_view word, const Names& known) {
     for (std::string_view name : known) {
         if (++listed <= 24) list += (list.empty() ? "" : ", ") + printable(name, 40);
         if (word.size() > 64 || name.size() > 64) continue;
-        const size_t distance = editDistance(word, name);
+        const size_t distance = editDistance(word, name, Letters::anyCase);
         if (distance <= least) {
             nearest = name;
             least = distance == 0 ? 0 : distance - 1;
