@@ -62,7 +62,7 @@ THIRD_PARTY = {
 }
 # C and POSIX headers; headers of the C++ library have neither a dot nor a slash.
 SYSTEM = re.compile(r"(?:(?:std|sys/|linux/|asm/|arpa/|netinet/)\w*|fcntl|unistd|errno|signal|poll|dirent|dlfcn|pthread|sched|"
-                    r"limits|math|string|time|termios|locale|fenv|setjmp|ctype|fnmatch|glob|getopt|spawn|\w*intrin)\.h$")
+                    r"limits|math|string|time|termios|locale|fenv|setjmp|ctype|fnmatch|glob|getopt|spawn|cpuid|\w*intrin)\.h$")
 SOURCE = (".h", ".hpp", ".cpp", ".c", ".cc", ".comp", ".vert", ".frag", ".glsl")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
 CONDITIONAL = re.compile(r"^[ \t]*#[ \t]*(if|ifdef|ifndef|elif|else|endif)\b[ \t]*([^\n]*)", re.M)

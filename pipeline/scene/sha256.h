@@ -8,6 +8,9 @@
 
 namespace plumb {
 
-std::string sha256Hex(std::span<const std::byte> bytes);
+// `fastest`: by the processor's own instructions where it has them. `portable`: plain C++, for all others. Both give the same hash.
+enum class Sha256Form { fastest, portable };
+std::string sha256Hex(std::span<const std::byte> bytes, Sha256Form form = Sha256Form::fastest);
+bool processorHasSha256();
 
 }  // namespace plumb

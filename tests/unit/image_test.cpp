@@ -11,6 +11,7 @@
 #include <ImfStringAttribute.h>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -81,12 +82,33 @@ Exit exitOf(Call call) {
     return Exit::done;
 }
 
-TEST(Sha256, AgreesWithFips180) {
-    EXPECT_EQ(sha256Hex(bytesOf("")), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-    EXPECT_EQ(sha256Hex(bytesOf("abc")), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    EXPECT_EQ(sha256Hex(bytesOf("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq")),
-              "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
-    EXPECT_EQ(sha256Hex(bytesOf(std::string(1000000, 'a'))), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+// FIPS 180-4 by both forms: the examples of the standard, and those of NIST's SHAVS for 1, 2, 55 and 64 bytes.
+TEST(Sha256, BothFormsAgreeWithFips180) {
+    const std::pair<std::string, const char*> vectors[] = {
+        {"", "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"},
+        {"abc", "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"},
+        {"\xbd", "68325720aabd7c82f30f554b313d0570c95accbb7dc4b5aae11204c08ffe732b"},
+        {"abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq", "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1"},
+        {"abcdefghbcdefghicdefghijdefghijkefghijklfghijklmghijklmnhijklmnoijklmnopjklmnopqklmnopqrlmnopqrsmnopqrstnopqrstu", "cf5b16a778af8380036ce59e7b0492370b249b11e8f07a51afac45037afee9d1"},
+        {std::string(55, '\0'), "02779466cdec163811d078815c633f21901413081449002f24aa3e80f0b88ef7"},
+        {std::string(64, '\0'), "f5a5fd42d16a20302798ef6ed309979b43003d2320d9f0e8ea9831a92759fb4b"},
+        {std::string(1000000, 'a'), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0"},
+    };
+    for (const Sha256Form form : {Sha256Form::portable, Sha256Form::fastest})
+        for (const auto& [text, hash] : vectors) EXPECT_EQ(sha256Hex(bytesOf(text), form), hash) << text.size() << " bytes, form " << int(form);
+}
+
+// Every length of the last blocks, from every alignment of the first byte.
+TEST(Sha256, BothFormsAgreeOnEveryLength) {
+    if (!processorHasSha256()) std::puts("this processor has no SHA instructions: one form is compared with itself");
+    std::vector<std::byte> bytes(400);
+    uint32_t state = 1;
+    for (std::byte& b : bytes) b = std::byte((state = state * 1664525u + 1013904223u) >> 24);
+    for (size_t first = 0; first < 16; ++first)
+        for (size_t length = 0; length + first <= bytes.size(); ++length) {
+            const std::span part = std::span(bytes).subspan(first, length);
+            ASSERT_EQ(sha256Hex(part, Sha256Form::fastest), sha256Hex(part, Sha256Form::portable)) << length << " bytes from " << first;
+        }
 }
 
 TEST(Png, ComesBackAsItWasWritten) {
