@@ -2,8 +2,13 @@
 #include "pipeline/cli/progress.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <fmt/core.h>
+#include <optional>
+#include <string>
 #include <unistd.h>
 
 namespace plumb {
@@ -15,48 +20,64 @@ Progress::Progress(ProgressMode mode, bool quiet, std::FILE* stream) : mode_(mod
 
 Progress::~Progress() { clear(); }
 
-std::string Progress::timeLeft(double fraction, double elapsedSeconds) {
-    if (!(fraction > 0.01) || elapsedSeconds < 0.5) return "";
-    const auto seconds = int64_t(std::ceil(elapsedSeconds * (1 - fraction) / fraction));
-    return seconds < 3600 ? fmt::format("{}:{:02} left", seconds / 60, seconds % 60)
-                          : fmt::format("{}:{:02}:{:02} left", seconds / 3600, seconds / 60 % 60, seconds % 60);
+std::optional<double> Progress::secondsLeft(double fraction, double elapsedSeconds) {
+    if (!(fraction > 0.01) || elapsedSeconds < 0.5) return std::nullopt;
+    return elapsedSeconds * (1 - fraction) / fraction;
 }
 
-void Progress::begin(const std::string& task) {
+std::string Progress::clock(double exactSeconds) {
+    const auto seconds = int64_t(std::lround(exactSeconds));
+    return seconds < 3600 ? fmt::format("{}:{:02}", seconds / 60, seconds % 60) : fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
+}
+
+void Progress::begin(const std::string& task, double from, double to) {
     task_ = task;
-    start_ = Clock::now();
-    last_ = {};
-    lastTenth_ = -1;
+    from_ = from;
+    to_ = to;
+    if (from == 0) {
+        start_ = Clock::now();
+        last_ = {};
+        shownShare_ = 0;
+        lastTenth_ = -1;
+        told_ = false;
+    }
     update(0);
+}
+
+// fmt::print throws when the stream cannot be written; fputs says so, and nobody asks.
+static void put(std::FILE* stream, const std::string& text) {
+    std::fputs(text.c_str(), stream);
+    std::fflush(stream);
 }
 
 void Progress::update(double fraction) {
     if (mode_ == ProgressMode::none) return;
-    fraction = std::clamp(fraction, 0.0, 1.0);
+    const double whole = shownShare_ = std::clamp(from_ + (to_ - from_) * std::clamp(fraction, 0.0, 1.0), shownShare_, 1.0);
     const auto now = Clock::now();
-    const int tenth = int(fraction * 10);
+    const int tenth = int(whole * 10);
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    const std::optional<double> left = secondsLeft(whole, elapsed);
     if (mode_ == ProgressMode::plain) {
         if (tenth == lastTenth_) return;
         lastTenth_ = tenth;
-        fmt::print(stream_, "{}: {} %\n", task_, tenth * 10);
-        std::fflush(stream_);
+        put(stream_, fmt::format("{}: {} %{}{}\n", task_, tenth * 10, tenth == 0 ? "" : fmt::format(", {} elapsed", clock(elapsed)),
+                                 left && tenth < 10 ? fmt::format(", {} left", clock(*left)) : ""));
         return;
     }
-    if (now - last_ < std::chrono::milliseconds(100) && !(fraction == 1 && lastTenth_ != 10)) return;
+    const bool atEnd = whole == 1 && !told_;
+    if (now - last_ < std::chrono::milliseconds(100) && !atEnd) return;
     last_ = now;
-    lastTenth_ = tenth;
-    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    told_ = whole == 1;
     if (mode_ == ProgressMode::json) {
         // The task is one of our own phrases: letters, digits, blanks and slashes, so it needs no escapes.
-        fmt::print(stream_, "{{\"progress\":{:.4f},\"task\":\"{}\",\"elapsed_s\":{:.3f}}}\n", fraction, task_, elapsed);
-    } else {
-        constexpr int kWidth = 30;
-        const int filled = int(fraction * kWidth);
-        fmt::print(stream_, "\r\x1b[K{} [{}{}] {:3.0f} %  {}", task_, std::string(size_t(filled), '#'), std::string(size_t(kWidth - filled), '.'), fraction * 100,
-                   timeLeft(fraction, elapsed));
-        shown_ = true;
+        put(stream_, fmt::format("{{\"progress\":{:.4f},\"task\":\"{}\",\"elapsed_s\":{:.3f},\"left_s\":{}}}\n", whole, task_, elapsed, left ? fmt::format("{:.3f}", *left) : "null"));
+        return;
     }
-    std::fflush(stream_);
+    constexpr int kWidth = 30;
+    const int filled = int(whole * kWidth);
+    put(stream_, fmt::format("\r\x1b[K{} [{}{}] {:3.0f} %  {}", task_, std::string(size_t(filled), '#'), std::string(size_t(kWidth - filled), '.'), whole * 100,
+                             left ? fmt::format("{} elapsed, {} left", clock(elapsed), clock(*left)) : ""));
+    shown_ = true;
 }
 
 void Progress::clear() {

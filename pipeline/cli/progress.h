@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Progress on standard error: a bar with the time left, lines to read, JSON lines, or nothing. At most ten updates a second.
+// A standard error that cannot be written is no failure: what was to be shown is lost, nothing else.
 #pragma once
 
 #include "pipeline/cli/options.h"
 
 #include <chrono>
 #include <cstdio>
+#include <optional>
 #include <string>
 
 namespace plumb {
@@ -18,12 +20,15 @@ public:
     Progress& operator=(const Progress&) = delete;
     ~Progress();                       // clears the bar
 
-    void begin(const std::string& task);             // e.g. "render 3/24"
+    // A task and its part of the whole, e.g. "render 3/24" from 2/24 to 3/24. What is shown is the share of the whole; its
+    // clock starts with the task that begins at 0. It never falls: work that is done again (a device opened afresh) shows where it was.
+    void begin(const std::string& task, double from = 0, double to = 1);
     void update(double fraction);                    // 0..1 of the task
     void clear();                                    // before anything else is printed
 
-    // "1:02 left" from the time that `fraction` took; empty while it is too early to say.
-    static std::string timeLeft(double fraction, double elapsedSeconds);
+    // Seconds that are left, from the time that `fraction` took; none while it is too early to say.
+    static std::optional<double> secondsLeft(double fraction, double elapsedSeconds);
+    static std::string clock(double seconds);        // "1:02", "2:30:00"
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -31,7 +36,10 @@ private:
     std::FILE* stream_;
     std::string task_;
     Clock::time_point start_, last_;
+    double from_ = 0, to_ = 1;         // of the task, in the whole
+    double shownShare_ = 0;
     int lastTenth_ = -1;
+    bool told_ = false;                // the end of the whole
     bool shown_ = false;
 };
 

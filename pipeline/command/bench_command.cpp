@@ -141,8 +141,9 @@ Exit benchPassesCommand(const Options& options, Renderer& renderer, std::vector<
     json["rows"] = Json::array();
     if (text) printData(fmt::format("{}\n{}x{}; {} pictures, median [10 %..90 %]\n{:<14} {:>9} {:>6} {:>9}\n", printable(renderer.name()), raster.width, raster.height, raster.pairs, "row", "triangles", "lights", "ms"));
     for (size_t i = 0; i < rows.size(); ++i) {
-        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()));
+        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()), double(i) / double(rows.size()), double(i + 1) / double(rows.size()));
         const PassesRow row = benchPasses(*renderer.device(), sceneOf(rows[i], {raster.width, raster.height}, options), rows[i], raster);
+        progress.update(1);
         progress.clear();
         renderer.checkValidation();
         if (text) printData(textOf(row));
@@ -168,9 +169,10 @@ Exit benchRasterCommand(const Options& options, Renderer& renderer, std::vector<
                               printable(renderer.name()), raster.width, raster.height, raster.pairs, "row", "triangles", "theirs ms", "ours ms", "ratio", "least", "coverage colour"));
     Exit verdict = Exit::done;
     for (size_t i = 0; i < rows.size(); ++i) {
-        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()));
+        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()), double(i) / double(rows.size()), double(i + 1) / double(rows.size()));
         const Scene scene = sceneOf(rows[i], {raster.width, raster.height}, options);
         const RasterRow row = benchRaster(*renderer.device(), scene, rows[i], raster);
+        progress.update(1);
         progress.clear();
         renderer.checkValidation();
         if (!row.agreement.failure.empty()) verdict = Exit::overGate;
@@ -214,20 +216,25 @@ Exit benchMatrixCommand(const Options& options, Renderer& renderer, const std::v
                                      "products: of two matrices or a matrix and a vertex, and how many of them wait for one another\n", printable(renderer.name())));
     Exit verdict = Exit::done;
     const auto add = [&](const MatrixTable& table) {
+        progress.update(1);
         progress.clear();
         renderer.checkValidation();
         if (!table.failure.empty()) verdict = Exit::overGate;
         if (text) printData(textOf(table));
         json["tables"].push_back(jsonOf(table));
     };
+    auto part = [&, tables = double(vertices.size() + chains.size()), done = 0](const std::string& task) mutable {
+        progress.begin(task, done / tables, (done + 1) / tables);
+        ++done;
+    };
     const auto rounds = [&](uint64_t count) { return count < kLargeCount ? options.pairs : std::max(3u, options.pairs / 5); };
     for (const uint64_t count : vertices) {
-        progress.begin(fmt::format("{} vertices", count));
+        part(fmt::format("{} vertices", count));
         matrix.rounds = rounds(count);
         add(benchVertices(*renderer.device(), count, matrix));
     }
     for (const uint64_t count : chains) {
-        progress.begin(fmt::format("a chain of {}", count));
+        part(fmt::format("a chain of {}", count));
         matrix.rounds = rounds(count);
         add(benchChain(*renderer.device(), count, matrix));
     }
@@ -279,6 +286,7 @@ Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::v
     progress.begin("bench claims");
     std::vector<ClaimTable> tables = benchTransformClaims(*renderer.device(), claims);
     for (ClaimTable& table : benchClaims(*renderer.device(), scene, claims)) tables.push_back(std::move(table));
+    progress.update(1);
     progress.clear();
     renderer.checkValidation();
     const bool text = !options.json || !options.jsonFile.empty();

@@ -72,8 +72,9 @@ Exit benchTraceCommand(const Options& options, Renderer& renderer, std::vector<s
     Exit verdict = Exit::done;
     std::vector<std::string> absent;
     for (size_t i = 0; i < rows.size(); ++i) {
-        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()));
+        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()), double(i) / double(rows.size()), double(i + 1) / double(rows.size()));
         const std::vector<TraceRow> measured = benchTrace(*renderer.device(), rows[i], trace, absent);
+        progress.update(1);
         progress.clear();
         renderer.checkValidation();
         for (const TraceRow& row : measured) {

@@ -29,7 +29,8 @@ Json toolJson();
 void printData(const std::string& text);
 // The report of --json: one object, or an array when there are several, to standard output or to --json=FILE.
 void writeJson(const Options&, const std::vector<Json>& objects);
-// A line for people, on standard error; nothing with -q.
+// A line for people, on standard error; one that cannot be written is lost and ends nothing. say(): nothing with -q.
+void tell(const std::string& line);
 void say(const Options&, const std::string& line);
 
 }  // namespace plumb

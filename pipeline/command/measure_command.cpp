@@ -284,7 +284,7 @@ Exit measureCommand(const Options& options) {
     Renderer renderer(options);
     if (!renderer.choice().advice.empty())
         say(options, fmt::format("plumb: {}\n{}", renderer.choice().reason, renderer.choice().advice));
-    for (const std::string& fallback : renderer.fallbacks()) fmt::print(stderr, "plumb: {}\n", fallback);
+    for (const std::string& fallback : renderer.fallbacks()) tell(fmt::format("plumb: {}", fallback));
     plan.deviceThere = renderer.device() != nullptr;
     plan.base.request = requestOf(options, scene, size);
     if (plan.base.request.shading == Shading::wire)
@@ -304,6 +304,7 @@ Exit measureCommand(const Options& options) {
     };
     const std::array<double, 3> load = loadAverages();
     const Measurement m = measure(scene, plan);
+    progress.update(1);
     progress.clear();
     renderer.checkValidation();
 

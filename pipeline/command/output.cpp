@@ -22,8 +22,14 @@ void writeJson(const Options& options, const std::vector<Json>& objects) {
         writeFileAtomically(options.jsonFile, std::as_bytes(std::span(text)), options.noClobber);
 }
 
+// fmt::print throws when standard error is full, closed or has no reader. Words for people never end a run.
+void tell(const std::string& line) {
+    const std::string text = line + "\n";
+    std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
 void say(const Options& options, const std::string& line) {
-    if (!options.quiet) fmt::print(stderr, "{}\n", line);
+    if (!options.quiet) tell(line);
 }
 
 Json toolJson() {

@@ -195,7 +195,7 @@ Exit renderCommand(const Options& options) {
     if (options.verbose != 0) say(options, fmt::format("device: {}", renderer->choice().reason));
     size_t told = 0;
     const auto tellFallbacks = [&] {
-        for (; told < renderer->fallbacks().size(); ++told) fmt::print(stderr, "plumb: {}\n", renderer->fallbacks()[told]);
+        for (; told < renderer->fallbacks().size(); ++told) tell(fmt::format("plumb: {}", renderer->fallbacks()[told]));
     };
     tellFallbacks();
 
@@ -212,7 +212,10 @@ Exit renderCommand(const Options& options) {
         const auto pictureStart = Clock::now();
         scene.camera = views[i].camera;
         scene.lights = views[i].lights;
-        progress.begin(views.size() == 1 ? "render" : fmt::format("render {}/{}", i + 1, views.size()));
+        const std::string which = views.size() == 1 ? "" : fmt::format(" {}/{}", i + 1, views.size());
+        const double begin = double(i) / double(views.size()), end = double(i + 1) / double(views.size());
+        const double drawn = options.withError ? (begin + end) / 2 : end;  // where the truth begins
+        progress.begin("render" + which, begin, drawn);
         const Stereo stereo(options, views[i].camera, size);
         std::optional<RenderResult> secondEye;  // of a pair
         RenderResult result;
@@ -225,6 +228,7 @@ Exit renderCommand(const Options& options) {
             result = renderBothEyes(*renderer, scene, views[i].camera, request, stereo);
         }
         stopIfInterrupted();
+        progress.update(1);
         progress.clear();
         tellFallbacks();
         renderer->checkValidation();
@@ -235,18 +239,22 @@ Exit renderCommand(const Options& options) {
         const bool refused = blank && options.failBlank;
         if (refused) {
             verdict = Exit::blank;
-            fmt::print(stderr, "plumb: the picture is blank ({} of {} pixels covered, {} colours); nothing is written\n", facts.covered, facts.pixels, facts.distinctColours);
+            tell(fmt::format("plumb: the picture is blank ({} of {} pixels covered, {} colours); nothing is written", facts.covered, facts.pixels, facts.distinctColours));
         }
-        if (options.explain && i == 0) fmt::print(stderr, "{}", explained(result.plan));
+        if (options.explain && i == 0) {
+            const std::string text = explained(result.plan);
+            tell(text.substr(0, text.size() - 1));
+        }
 
         Json report;
         if (options.json) report = pictureJson(*renderer, scene, sources, views[i], request, result, facts, blank);
         if (options.json && stereo.form != StereoForm::none) report["stereo"] = stereo.json();
         double truthMs = 0;
         if (options.withError) {
-            progress.begin("truth");
+            progress.begin("truth" + which, drawn, end);
             const Truth truth = truthOf(scene, request);
             stopIfInterrupted();
+            progress.update(1);
             progress.clear();
             const FrameError error = errorOf(result.frame, truth, request.encoding, request.transparent);
             const std::optional<Rounding> rounding = roundingOf(scene, request, result.frame);
@@ -255,7 +263,7 @@ Exit renderCommand(const Options& options) {
             report["truth"] = truthJson(truth);
             report["error"] = errorJson(error, true, rounding);
         }
-        const glm::uvec2 drawn(result.frame.width, result.frame.height);
+        const glm::uvec2 drawnSize(result.frame.width, result.frame.height);
         if (result.frame.coveredPixels == 0 && !refused) say(options, fmt::format("plumb: warning: nothing is seen{}", whyNothing(result.counters)));
         const auto writeStart = Clock::now();
         if (plan.sheet) {
@@ -285,7 +293,7 @@ Exit renderCommand(const Options& options) {
         }
         const std::string where = refused ? "nothing written" : plan.sheet ? printable(views[i].name) : namesOf(plan.files[i]);
         const std::string form = stereo.form == StereoForm::none ? "" : fmt::format(" {}", nameOf(stereo.form));
-        say(options, fmt::format("{}: {}x{} {}{}{}, {}, {:.1f} ms on {}", where, drawn.x, drawn.y, nameOf(request.shading), form, options.interlace ? " in two fields" : "",
+        say(options, fmt::format("{}: {}x{} {}{}{}, {}, {:.1f} ms on {}", where, drawnSize.x, drawnSize.y, nameOf(request.shading), form, options.interlace ? " in two fields" : "",
                                  contentOf(scene, result.counters), result.totalMs, renderer->name()));
         if (options.verbose != 0)
             for (const PassTime& time : result.times) say(options, fmt::format("  {:<12} {:9.3f} ms  {} dispatches", time.pass, time.ms, time.dispatches));

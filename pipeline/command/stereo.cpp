@@ -34,6 +34,8 @@ RenderResult renderEye(Renderer& renderer, Scene& scene, const Camera& camera, c
     RenderRequest wide = request;
     wide.width += 2 * stereo.shift;
     wide.planes |= kPlaneObject;
+    if (request.onProgress)
+        wide.onProgress = [&request, before = eye == Eye::left ? 0.0 : 0.5](double done) { return request.onProgress(before + done / 2); };
     scene.camera = camera;
     scene.camera->eye += camera.right * (stereo.separation / (eye == Eye::left ? -2 : 2));
     RenderResult result = renderer.render(scene, wide);

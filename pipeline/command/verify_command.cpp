@@ -130,9 +130,11 @@ Exit verifyCommand(const Options& options) {
             stopIfInterrupted();
             scene.camera = views[v].camera;
             scene.lights = views[v].lights;
-            progress.begin(fmt::format("verify {}/{}", i * views.size() + v + 1, options.inputs.size() * views.size()));
+            const size_t item = i * views.size() + v, count = options.inputs.size() * views.size();
+            progress.begin(fmt::format("verify {}/{}", item + 1, count), double(item) / double(count), double(item + 1) / double(count));
             const VerifyReport report = verifyRender(*renderer.device(), scene, request);
             stopIfInterrupted();
+            progress.update(1);
             progress.clear();
             renderer.checkValidation();
             if (!report.equal) verdict = Exit::overGate;

@@ -283,7 +283,10 @@ private:
         if (request.shading == Shading::wire) request.planes = kPlaneColour | kPlaneObject | kPlanePrimitive;
         const bool rays = request.shading == Shading::ray;
         if (rays) request.planes = (request.planes & ~uint32_t(kPlaneTriangle)) | kPlaneDistance | kPlaneNormal;
+        // The twin takes the first half of the progress.
+        if (request_.onProgress) request.onProgress = [this](double done) { return request_.onProgress(done / 2); };
         report_.twin = renderCpu(scene_, request);
+        if (request_.onProgress) request.onProgress = [this](double done) { return request_.onProgress((1 + done) / 2); };
         report_.device = renderGpu(device_, scene_, request);
         const Frame &t = report_.twin.frame, &d = report_.device.frame;
         const auto coverage = [](const Frame& f) {

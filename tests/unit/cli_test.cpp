@@ -4,9 +4,14 @@
 #include "pipeline/cli/options.h"
 #include "pipeline/cli/progress.h"
 
+#include <cstdio>
+#include <cstdlib>
 #include <fmt/core.h>
 #include <gtest/gtest.h>
+#include <optional>
+#include <regex>
 #include <sstream>
+#include <string>
 
 namespace plumb {
 namespace {
@@ -222,31 +227,79 @@ TEST(ManPageAndCompletions, NameEveryFlag) {
 }
 
 TEST(Progress, TellsTheTimeLeft) {
-    EXPECT_EQ(Progress::timeLeft(0, 10), "");
-    EXPECT_EQ(Progress::timeLeft(0.5, 0.1), "") << "too early to say";
-    EXPECT_EQ(Progress::timeLeft(0.5, 62), "1:02 left");
-    EXPECT_EQ(Progress::timeLeft(0.1, 1000), "2:30:00 left");
+    EXPECT_EQ(Progress::secondsLeft(0, 10), std::nullopt);
+    EXPECT_EQ(Progress::secondsLeft(0.5, 0.1), std::nullopt) << "too early to say";
+    EXPECT_EQ(Progress::secondsLeft(0.5, 62), 62);
+    EXPECT_EQ(Progress::clock(62), "1:02");
+    EXPECT_EQ(Progress::clock(9000), "2:30:00");
+}
+
+// What is shown while `use` runs.
+template <class Use>
+std::string shownBy(ProgressMode mode, bool quiet, const Use& use) {
+    char* data = nullptr;
+    size_t size = 0;
+    std::FILE* stream = ::open_memstream(&data, &size);
+    {
+        Progress progress(mode, quiet, stream);
+        use(progress);
+    }
+    std::fclose(stream);
+    std::string text(data, size);
+    std::free(data);
+    // How long it takes is nothing that a test may judge.
+    return std::regex_replace(text, std::regex(", [0-9:]+ (elapsed|left)"), ", T $1");
 }
 
 TEST(Progress, WritesJsonLinesAndNothingWhenQuiet) {
     const auto shown = [](ProgressMode mode, bool quiet) {
-        char* data = nullptr;
-        size_t size = 0;
-        std::FILE* stream = ::open_memstream(&data, &size);
-        {
-            Progress progress(mode, quiet, stream);
-            progress.begin("render 1/2");
+        return shownBy(mode, quiet, [](Progress& progress) {
+            progress.begin("render");
             progress.update(1);
-        }
-        std::fclose(stream);
-        std::string text(data, size);
-        std::free(data);
-        return text;
+        });
     };
-    EXPECT_EQ(shown(ProgressMode::json, false).substr(0, 40), "{\"progress\":0.0000,\"task\":\"render 1/2\",\"");
-    EXPECT_EQ(shown(ProgressMode::plain, false), "render 1/2: 0 %\nrender 1/2: 100 %\n");
+    const std::string json = shown(ProgressMode::json, false);
+    EXPECT_EQ(json.substr(0, 36), "{\"progress\":0.0000,\"task\":\"render\",\"");
+    EXPECT_NE(json.find("\"left_s\":null"), std::string::npos) << json;
+    EXPECT_EQ(shown(ProgressMode::plain, false), "render: 0 %\nrender: 100 %, T elapsed\n");
     EXPECT_EQ(shown(ProgressMode::plain, true), "");
     EXPECT_EQ(shown(ProgressMode::none, false), "");
+}
+
+// A list of pictures is one whole: its share grows from picture to picture, and ends once.
+TEST(Progress, CountsAListAsOneWhole) {
+    const auto list = [](Progress& progress) {
+        for (int i = 0; i < 4; ++i) {
+            progress.begin(fmt::format("render {}/4", i + 1), i / 4.0, (i + 1) / 4.0);
+            progress.update(0.5);
+            progress.update(1);
+        }
+    };
+    EXPECT_EQ(shownBy(ProgressMode::plain, false, list),
+              "render 1/4: 0 %\nrender 1/4: 10 %, T elapsed\nrender 1/4: 20 %, T elapsed\nrender 2/4: 30 %, T elapsed\nrender 2/4: 50 %, T elapsed\n"
+              "render 3/4: 60 %, T elapsed\nrender 3/4: 70 %, T elapsed\nrender 4/4: 80 %, T elapsed\nrender 4/4: 100 %, T elapsed\n");
+    const std::string json = shownBy(ProgressMode::json, false, list);
+    EXPECT_EQ(json.find("\"progress\":1.0000,\"task\":\"render 4/4\""), json.rfind("\"progress\":1.0000"));
+    EXPECT_NE(json.find("\"progress\":1.0000"), std::string::npos) << json;
+    EXPECT_NE(shownBy(ProgressMode::bar, false, list).find("render 4/4 [##############################] 100 %"), std::string::npos);
+}
+
+TEST(Progress, NeverFalls) {
+    EXPECT_EQ(shownBy(ProgressMode::plain, false, [](Progress& progress) {
+        progress.begin("render");
+        for (const double fraction : {0.5, 0.1, 0.6}) progress.update(fraction);
+    }), "render: 0 %\nrender: 50 %, T elapsed\nrender: 60 %, T elapsed\n");
+}
+
+TEST(Progress, AStreamThatCannotBeWrittenIsNoFailure) {
+    std::FILE* full = std::fopen("/dev/full", "w");
+    ASSERT_NE(full, nullptr);
+    for (const ProgressMode mode : {ProgressMode::bar, ProgressMode::plain, ProgressMode::json}) {
+        Progress progress(mode, false, full);
+        progress.begin("render");
+        EXPECT_NO_THROW(progress.update(1));
+    }
+    std::fclose(full);
 }
 
 }  // namespace

@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""What the command says and where: progress, streams that cannot be written, and files that agree with the exit code (docs/outputs.md).
+
+usage: streams_command_test.py PLUMB [unittest arguments]
+"""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PLUMB = os.path.abspath(sys.argv[1])
+CUBE = """v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1
+f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n"""
+SMALL = "--device twin --size 64x48"
+
+
+class Streams(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="plumb-streams-")
+        self.addCleanup(shutil.rmtree, self.folder)
+        with open(os.path.join(self.folder, "cube.obj"), "w", encoding="utf-8") as f:
+            f.write(CUBE)
+
+    def made(self):
+        """The files beside cube.obj, hidden ones as well."""
+        return sorted(name for name in os.listdir(self.folder) if name != "cube.obj")
+
+    def read(self, name):
+        with open(os.path.join(self.folder, name), "rb") as f:
+            return f.read()
+
+    def shell(self, line):
+        """A line of bash in which `plumb` is the program; its own exit code is the result's last line on standard error."""
+        script = f'plumb() {{ "{PLUMB}" "$@"; }}\nset -o pipefail\n{line}'
+        return subprocess.run(["bash", "-c", script], cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=120, check=False)
+
+
+class StandardError(Streams):
+    """Words for people are lost where they cannot be written; nothing else changes."""
+
+    def test_no_state_of_it_ends_a_turntable(self):
+        twenty = [f"s{i:02}.png" for i in range(20)]
+        for broken in ("2>/dev/full", "2>&-", "2>&1 | head -1", "2>&1 | true", "2>/dev/full >&-", "2>&- >&- <&-"):
+            for progress in ("", "--progress plain", "--progress json", "--progress bar", "-v"):
+                done = self.shell(f"plumb render cube.obj {SMALL} --turntable 20 -o 's{{n}}.png' {progress} {broken}")
+                self.assertEqual((done.returncode, self.made()), (0, twenty), (broken, progress, done.stderr))
+                for name in twenty:
+                    self.assertEqual(self.read(name)[:4], b"\x89PNG")
+                    os.remove(os.path.join(self.folder, name))
+
+    def test_no_state_of_it_changes_another_command(self):
+        self.shell(f"plumb render cube.obj {SMALL} -o a.png; plumb render cube.obj {SMALL} --shading unlit -o b.png")
+        for line, code in ((f"plumb render cube.obj {SMALL} -o c.png --with-error --explain -v", 0), (f"plumb render cube.obj {SMALL} --view front --view iso -o c.png", 0),
+                           ("plumb diff a.png b.png -o c.png", 1), (f"plumb measure cube.obj {SMALL} --axis encoding --repetitions 2 -o c.html", 0), ("plumb info cube.obj", 0),
+                           ("plumb render missing.obj -o c.png", 3), ("plumb render cube.obj", 2), (f"plumb render cube.obj {SMALL} --eye 0,0,9 --at 0,0,99 --fail-blank -o c.png", 7)):
+            good = self.shell(line)
+            self.assertEqual(good.returncode, code, (line, good.stderr))
+            for broken in ("2>/dev/full", "2>&-"):
+                self.assertEqual(self.shell(f"{line} {broken}").returncode, code, (line, broken))
+
+    def test_no_file_is_opened_under_its_number(self):
+        done = self.shell(f"plumb render cube.obj {SMALL} -o a.png -v --progress plain 2>&- >&- <&-; plumb render cube.obj {SMALL} -o b.png -q")
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual(self.read("a.png"), self.read("b.png"))
+
+
+class Progress(Streams):
+    """The share of the whole list, never falling, with the time since its first picture."""
+
+    def shares(self, line):
+        done = self.shell(line + " --progress json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [json.loads(row) for row in done.stderr.decode().split("\n") if row.startswith('{"progress"')]
+        self.assertTrue(all({"progress", "task", "elapsed_s", "left_s"} == set(row) for row in rows))
+        rows = [row for row in rows if not row["task"].startswith("load")]
+        self.assertEqual([row["progress"] for row in rows], sorted(row["progress"] for row in rows))
+        self.assertEqual([row["elapsed_s"] for row in rows], sorted(row["elapsed_s"] for row in rows))
+        self.assertEqual((rows[0]["progress"], rows[-1]["progress"]), (0, 1))
+        return rows
+
+    def test_a_list_is_one_whole(self):
+        # As many samples as take longer than the tenth of a second in which one line is written.
+        work = "--device twin --size 640x480 --samples 16"
+        for flags, count in (("--turntable 12 -o 'a{n}.png'", 12), ("--view front --view iso --view top -o sheet.png", 3), ("--turntable 2 --with-error -o 'a{n}.png'", 2),
+                             ("--turntable 3 --stereo pair -o 'a{n}{eye}.png'", 3), ("--turntable 3 --stereo anaglyph -o 'a{n}.png'", 3)):
+            rows = self.shares(f"plumb render cube.obj {work} {flags}")
+            self.assertEqual(rows[-1]["task"].split()[-1], f"{count}/{count}")
+            for row in rows:  # each is within its picture's part
+                i = int(row["task"].split()[-1].split("/")[0])
+                self.assertTrue((i - 1) / count - 1e-3 <= row["progress"] <= i / count + 1e-3, (flags, row))
+            self.assertTrue(any(0 < row["progress"] < 1 for row in rows), (flags, rows))
+        self.shares("plumb verify cube.obj cube.obj cube.obj --size 640x480 --view front --view iso")
+        self.shares(f"plumb measure cube.obj {SMALL} --axis shading --repetitions 3")
+
+    def test_lines_to_read_have_the_tenths_of_the_whole(self):
+        done = self.shell(f"plumb render cube.obj {SMALL} --turntable 20 -o 'a{{n}}.png' --progress plain")
+        rows = [line for line in done.stderr.decode().split("\n") if " %" in line and line.startswith("render ")]
+        self.assertEqual([int(line.split(": ")[1].split()[0]) for line in rows], list(range(0, 101, 10)), rows)
+        self.assertTrue(all("elapsed" in line for line in rows[1:]), rows)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
