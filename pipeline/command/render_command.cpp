@@ -114,14 +114,6 @@ std::string namesOf(const std::vector<OutputFile>& files) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// Of a picture without a covered pixel: the reason that can be told from what was counted.
-std::string whyNothing(const RenderCounters& counters) {
-    const uint64_t faces = counters.polygons != 0 ? counters.polygons : counters.triangles;
-    if (counters.objects != 0 && counters.objectsDrawn == 0) return ": every object is outside the view";
-    if (faces != 0 && counters.culledBackFace == faces) return ": every polygon faces away from the viewer; --cull off draws them";
-    return "";
-}
-
 void refuseFaults(const FrameFacts& facts) {
     if (facts.nan + facts.inf == 0) return;
     throw renderError(fmt::format("the picture has {} NaN and {} infinite values; first: {}; nothing is written", facts.nan, facts.inf, facts.firstFault));
@@ -264,7 +256,7 @@ Exit renderCommand(const Options& options) {
             report["error"] = errorJson(error, true, rounding);
         }
         const glm::uvec2 drawnSize(result.frame.width, result.frame.height);
-        if (result.frame.coveredPixels == 0 && !refused) say(options, fmt::format("plumb: warning: nothing is seen{}", whyNothing(result.counters)));
+        if (result.frame.coveredPixels == 0 && !refused) say(options, nothingSeen(result.counters));
         const auto writeStart = Clock::now();
         if (plan.sheet) {
             cells.push_back(std::move(result.frame));

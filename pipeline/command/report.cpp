@@ -57,6 +57,14 @@ Json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
+std::string nothingSeen(const RenderCounters& counters) {
+    const uint64_t faces = counters.polygons != 0 ? counters.polygons : counters.triangles;
+    const char* why = "";
+    if (counters.objects != 0 && counters.objectsDrawn == 0) why = ": every object is outside the view";
+    else if (faces != 0 && counters.culledBackFace == faces) why = ": every polygon faces away from the viewer; --cull off draws them";
+    return fmt::format("plumb: warning: nothing is seen{}", why);
+}
+
 std::vector<SourceFile> sourcesOf(const std::vector<std::string>& paths) {
     std::vector<SourceFile> sources;
     for (const std::string& path : paths) {

@@ -23,6 +23,9 @@ FrameFacts factsOf(const Frame&, bool countColours);  // uncounted, distinctColo
 // Nearly nothing is covered, or the picture has one colour only.
 bool isBlank(const FrameFacts&, double leastShare);
 
+// The warning about a picture without a covered pixel, with the reason where what was counted tells it.
+std::string nothingSeen(const RenderCounters&);
+
 Json hostJson();
 Json sceneJson(const Scene&, const std::vector<SourceFile>&);
 Json planJson(const Plan&);

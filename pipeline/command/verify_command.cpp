@@ -79,6 +79,7 @@ Json jsonOf(const VerifyReport& report, const std::vector<std::string>& written)
     json["bound"] = report.bounded ? Json({{"linear", {report.boundLinear.x, report.boundLinear.y, report.boundLinear.z}}, {"steps", report.boundSteps}}) : Json();
     json["passes"] = Json::array();
     for (const auto& [pass, equal] : report.passes) json["passes"].push_back({{"pass", pass}, {"equal", equal}});
+    json["covered_pixels"] = report.twin.frame.coveredPixels;
     json["planes"] = Json::array();
     for (const VerifyPlane& p : report.planes)
         json["planes"].push_back({{"name", p.name},
@@ -138,6 +139,7 @@ Exit verifyCommand(const Options& options) {
             progress.clear();
             renderer.checkValidation();
             if (!report.equal) verdict = Exit::overGate;
+            if (report.twin.frame.coveredPixels == 0 && report.device.frame.coveredPixels == 0) say(options, nothingSeen(report.twin.counters));
             const std::vector<std::string> written =
                 report.equal ? std::vector<std::string>() : writeEvidence(options, report, i * views.size() + v, options.inputs.size() * views.size(), request.transparent);
             const std::string title = fmt::format("{}{}{} {}x{} {}", printable(one.inputs[0]), views[v].name.empty() ? "" : " ", views[v].name, size.x, size.y, nameOf(request.shading));

@@ -8,12 +8,15 @@
 #include "pipeline/scene/text.h"
 
 #include "pipeline/passes/encode.h"
+#include "pipeline/passes/resolve.h"
 #include "shaders/shared/spheres.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
 #include <limits>
+#include <span>
+#include <vector>
 
 namespace plumb {
 
@@ -356,6 +359,18 @@ void planRays(const RenderRequest& request, Plan& plan) {
         plan.choices.push_back(fmt::format("levels {}{}", rays.cutLevels ? "cut: colours are whole levels, cut after each ray" : "exact", by(stated.levels)));
 }
 
+// By the resolve pass itself: a mean of equal samples rounds, and a transparent pixel without a covered sample is black.
+void findUndrawn(bool transparent, Prepared& p) {
+    p.undrawn = p.background;
+    p.undrawnLinear = p.backgroundLinear;
+    if (p.side == 1) return;
+    const size_t samples = size_t(p.side) * p.side;
+    std::vector<float> linear;
+    for (size_t i = 0; i < samples; ++i) linear.insert(linear.end(), &p.backgroundLinear.x, &p.backgroundLinear.x + 3);
+    const std::vector<int> z(samples, 0);
+    resolveCpu(1, 1, p.side, transparent, p.choices.encoding, linear, z, std::span(&p.undrawnLinear.x, 3), std::span(&p.undrawn, 1), 1);
+}
+
 }  // namespace
 
 Prepared prepare(const Scene& scene, const RenderRequest& request) {
@@ -440,6 +455,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     const float background[3] = {request.background.x, request.background.y, request.background.z};
     p.backgroundLinear = request.background;
     p.background = encodePixelCpu(p.choices.encoding, background, request.transparent ? 0 : 255);
+    findUndrawn(request.transparent, p);
     Plan& plan = p.plan;
     if (!request.shadingReason.empty()) plan.choices.push_back(request.shadingReason);
     if (request.shading == Shading::wire) {
@@ -548,7 +564,7 @@ void PlaneWriter::restart() {
     const float infinity = std::numeric_limits<float>::infinity();
     frame.width = prepared_.width;
     frame.height = prepared_.height;
-    frame.rgba.assign(pixels, prepared_.background);
+    frame.rgba.assign(pixels, prepared_.undrawn);
     if (planes & kPlaneDepth) frame.depth.assign(pixels, infinity);
     if (planes & kPlaneDistance) frame.distance.assign(pixels, infinity);
     if (planes & kPlaneNormal) frame.normal.assign(3 * pixels, 0.0f);
@@ -556,7 +572,9 @@ void PlaneWriter::restart() {
     if (planes & kPlanePrimitive) frame.primitive.assign(pixels, kNone);
     if (planes & kPlaneZ) frame.z.assign(pixels, 0.0f);
     if (planes & kPlaneTriangle) frame.triangle.assign(pixels, kNone);
-    if (planes & kPlaneLinear) frame.linear.assign(3 * pixels, 0.0f);
+    if (!(planes & kPlaneLinear)) return;
+    frame.linear.resize(3 * pixels);
+    for (size_t i = 0; i < pixels; ++i) std::copy_n(&prepared_.undrawnLinear.x, 3, frame.linear.begin() + ptrdiff_t(3 * i));
 }
 
 void PlaneWriter::write(uint32_t x, uint32_t y, int zBits, uint32_t triangle, const float* normal) {

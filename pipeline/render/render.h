@@ -161,7 +161,7 @@ struct VerifyReport {
     glm::dvec3 boundLinear{0};            // in linear light
     double boundSteps = 0;                // and in steps of the code
     std::vector<Mismatch> mismatches;     // empty when equal
-    std::vector<VerifyPlane> planes;      // coverage, triangle, object, primitive, z, linear, colour
+    std::vector<VerifyPlane> planes;      // coverage, and every plane that a picture of this shading has
     std::vector<std::pair<std::string, bool>> passes;  // per pass on the twin's input
     RenderResult twin, device;
 };

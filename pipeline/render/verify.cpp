@@ -229,11 +229,18 @@ private:
     // within(i): the values differ, and may.
     template <class T, class Within>
     void comparePlane(const char* name, const std::vector<T>& twin, const std::vector<T>& device, uint32_t channels, const Within& within) {
+        if (twin.empty() && device.empty()) return;  // pictures of this kind have no such plane
         VerifyPlane plane{name, "", "", 0};
         const bool small = twin.size() < kSmallPlane;
         parallelBands(2, 1, small ? 1 : threadCount(request_.threads), [&](uint64_t first, uint64_t end) {
             for (; first < end; ++first) (first == 0 ? plane.twinSha256 : plane.deviceSha256) = first == 0 ? hashOf(twin) : hashOf(device);
         });
+        if (twin.size() != device.size()) {
+            plane.differing = plane.beyond = std::max(twin.size(), device.size());
+            report_.planes.push_back(plane);
+            report_.mismatches.push_back({name, true, fmt::format("twin has {} values, device has {}", twin.size(), device.size())});
+            return;
+        }
         int64_t first = -1;
         bool finite = true;
         for (size_t i = 0; i < twin.size(); ++i) {
@@ -277,12 +284,18 @@ private:
         differ("undecided rays", a.undecidedRays, b.undecidedRays);
     }
 
+    // Every plane that a picture of this shading has.
+    static uint32_t planesOf(Shading shading) {
+        const uint32_t lines = kPlaneColour | kPlaneLinear | kPlaneObject | kPlanePrimitive;
+        if (shading == Shading::wire) return lines;
+        const uint32_t surfaces = lines | kPlaneZ | kPlaneDepth | kPlaneDistance | kPlaneNormal;
+        return shading == Shading::ray ? surfaces : surfaces | kPlaneTriangle;  // rays meet more than triangles
+    }
+
     void chain() {
         RenderRequest request = request_;
-        request.planes |= kPlaneLinear | kPlaneObject | kPlanePrimitive | kPlaneZ | kPlaneTriangle;
-        if (request.shading == Shading::wire) request.planes = kPlaneColour | kPlaneObject | kPlanePrimitive;
+        request.planes = planesOf(request.shading);
         const bool rays = request.shading == Shading::ray;
-        if (rays) request.planes = (request.planes & ~uint32_t(kPlaneTriangle)) | kPlaneDistance | kPlaneNormal;
         // The twin takes the first half of the progress.
         if (request_.onProgress) request.onProgress = [this](double done) { return request_.onProgress(done / 2); };
         report_.twin = renderCpu(scene_, request);
@@ -295,7 +308,7 @@ private:
             return c;
         };
         comparePlane("coverage", coverage(t), coverage(d), 1);
-        if (!rays) comparePlane("triangle", t.triangle, d.triangle, 1);
+        comparePlane("triangle", t.triangle, d.triangle, 1);
         comparePlane("object_id", t.object, d.object, 1);
         comparePlane("primitive_id", t.primitive, d.primitive, 1);
         comparePlane("z", t.z, d.z, 1);
@@ -305,10 +318,9 @@ private:
             for (size_t c = 0; near && c < 3; ++c) near = codeAsNear(d.rgba[i] >> (8 * c) & 0xff, t.linear[3 * i + c], c);
             return near;
         });
-        if (rays) {
-            comparePlane("distance", t.distance, d.distance, 1);
-            comparePlane("normal", t.normal, d.normal, 3);
-        }
+        comparePlane("depth", t.depth, d.depth, 1);
+        comparePlane("distance", t.distance, d.distance, 1);
+        comparePlane("normal", t.normal, d.normal, 3);
         const RenderCounters &a = report_.twin.counters, &b = report_.device.counters;
         const std::pair<const char*, std::pair<uint64_t, uint64_t>> counts[] = {
             {"drawn triangles", {a.drawnTriangles, b.drawnTriangles}}, {"back-facing", {a.culledBackFace, b.culledBackFace}},

@@ -367,6 +367,21 @@ class Verify(Command):
             self.assertEqual(plane["sha256_twin"], plane["sha256_device"])
         self.assertEqual(self.files(), ["cube.obj"])
 
+    def test_an_empty_view_is_the_background_in_every_file(self):
+        away = ["cube.obj", "--eye", "0,0,9", "--at", "0,0,99", "--size", "32x24"]
+        for flags in ([], ["--samples", "4"], ["--background", "#4080c0"], ["--background", "transparent"], ["--stereo", "anaglyph", "--background", "#4080c0"]):
+            self.expect(0, "verify", *away, *[f for f in flags if f not in ("--stereo", "anaglyph")], says="nothing is seen: every object is outside the view")
+            for name, more in (("p.png", []), ("q.png", ["--bits", "16"]), ("e.exr", ["--aov", "color,depth,normal,id"]), ("l.npy", ["--aov", "linear"])):
+                if "--stereo" in flags and name in ("e.exr", "l.npy"):
+                    continue
+                for side in ("auto", "twin"):
+                    self.expect(0, "render", *away, *flags, *more, "--device", side, "-o", f"{side}-{name}", says="nothing is seen")
+                self.assertEqual(self.read(f"auto-{name}"), self.read(f"twin-{name}"), (flags, name))
+        self.expect(0, "render", *away, "--background", "#ffffff", "--aov", "linear", "-o", "w.npy")
+        self.assertEqual(self.read("w.npy")[-32 * 24 * 3 * 4:], struct.pack("<f", 1.0) * (32 * 24 * 3))
+        report = json.loads(self.expect(0, "verify", *away, "--json").stdout)
+        self.assertEqual(report["verify"]["covered_pixels"], 0)
+
 
 MIRROR = """[[material]]
 name = "m"

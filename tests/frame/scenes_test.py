@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 SIZES = ("333x211", "640x480", "1920x1080")
-PLANES = {"coverage", "triangle", "object_id", "primitive_id", "z", "linear", "colour"}
+PLANES = {"coverage", "triangle", "object_id", "primitive_id", "z", "linear", "colour", "depth", "distance", "normal"}
 FORMATS = (".obj", ".ply", ".stl", ".off", ".toml", ".gltf", ".glb")
 
 
@@ -26,7 +26,7 @@ def faults_of(plumb, scene, size):
         faults.append("not equal")
     faults += [f"pass {p['pass']} differs" for p in verify["passes"] if not p["equal"]]
     planes = {p["name"]: p for p in verify["planes"]}
-    wanted = PLANES - {"triangle"} | {"distance", "normal"} if report["options"]["shading"] == "ray" else PLANES  # rays meet more than triangles
+    wanted = PLANES - {"triangle"} if report["options"]["shading"] == "ray" else PLANES  # rays meet more than triangles
     if not wanted <= set(planes):
         faults.append(f"no plane {', '.join(sorted(wanted - set(planes)))}")
     faults += [f"plane {name} differs" for name, p in planes.items() if p["sha256_twin"] != p["sha256_device"]]
