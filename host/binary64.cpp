@@ -5,6 +5,8 @@
 #include "host/recorder.h"
 #include "host/vulkan.h"
 
+#include <cstdint>
+#include <optional>
 #include <spirv/selftest_double.h>
 
 #include <fmt/core.h>

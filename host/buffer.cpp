@@ -3,11 +3,16 @@
 
 #include "host/vulkan.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <fstream>
+#include <memory>
+#include <mutex>
 #include <sstream>
+#include <string>
+#include <utility>
 
 namespace plumb {
 

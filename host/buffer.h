@@ -6,7 +6,9 @@
 #include "host/device.h"
 #include "host/error.h"
 
+#include <cstdint>
 #include <cstring>
+#include <memory>
 #include <span>
 
 namespace plumb {

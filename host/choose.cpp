@@ -2,11 +2,15 @@
 // Which device is used and why: the words of --device and --require-device over a list of devices.
 #include "host/vulkan.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

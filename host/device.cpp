@@ -4,6 +4,8 @@
 
 #include "host/selftest.h"
 
+#include <cstdint>
+#include <cstdio>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,6 +13,13 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

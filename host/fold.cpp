@@ -5,11 +5,17 @@
 #include "host/error.h"
 #include "host/spirv_words.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

@@ -5,6 +5,9 @@
 
 #include "host/program.h"
 
+#include <cstdint>
+#include <vector>
+
 namespace plumb {
 
 // A module that does what `module` does where its constants have the values of `constants` or their defaults. No instruction that stays is

@@ -5,11 +5,18 @@
 #include "host/spirv_words.h"
 #include "host/vulkan.h"
 
+#include <cstdint>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <future>
+#include <map>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace plumb {
 

@@ -4,11 +4,15 @@
 #include "host/vulkan.h"
 #include "shared/status.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <memory>
+#include <span>
+#include <utility>
 
 namespace plumb {
 

@@ -11,7 +11,10 @@
 #include "host/buffer.h"
 #include "host/program.h"
 
+#include <cstdint>
 #include <functional>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 

@@ -5,10 +5,13 @@
 #include "host/recorder.h"
 #include "host/vulkan.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <spirv/canary.h>
 #include <spirv/selftest.h>
 
 #include <fmt/core.h>
+#include <string_view>
 #include <unistd.h>
 
 #include <cfloat>

@@ -9,6 +9,7 @@
 #include "host/program.h"
 #include "host/recorder.h"
 
+#include <cstdint>
 #include <volk.h>
 
 #include <future>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // render_mesh MESH OUT.png: draws a mesh on the best device there is, and by the CPU twin where there is none.
 #include <cstdio>
+#include <glm/glm.hpp>
 #include <plumbline/plumbline.hpp>
 
 int main(int count, char** arguments) {
