@@ -2,10 +2,14 @@
 // Edges are projected in binary64 from the unrounded object space, so that neither side's own rounding is the judge.
 #include "pipeline/bench/agreement.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <limits>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -4,6 +4,7 @@
 #include "pipeline/bench/raster.h"
 #include "pipeline/passes/draw_list.h"
 
+#include <cstdint>
 #include <span>
 
 namespace plumb {

@@ -3,10 +3,12 @@
 
 #include "host/error.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/glm.hpp>
 #include <memory>
 #include <numeric>
 

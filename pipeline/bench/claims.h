@@ -5,6 +5,7 @@
 #include "pipeline/bench/statistics.h"
 #include "pipeline/render/render.h"
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>

@@ -6,11 +6,18 @@
 
 #include "host/error.h"
 
+#include <cmath>
+#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cfloat>
 #include <cstring>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

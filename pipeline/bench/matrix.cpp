@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <random>
 #include <span>
 #include <thread>

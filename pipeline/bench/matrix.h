@@ -5,6 +5,7 @@
 #include "host/recorder.h"
 #include "pipeline/bench/statistics.h"
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>

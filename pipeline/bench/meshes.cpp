@@ -3,7 +3,10 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <numbers>
+#include <utility>
 
 namespace plumb {
 namespace {

@@ -3,6 +3,9 @@
 
 #include "pipeline/passes/parallel.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <spirv/chain.h>
 #include <spirv/vertices.h>
 #include <spirv/vertices_block.h>

@@ -7,6 +7,8 @@
 #include "shaders/shared/long_transform.h"
 #include "shaders/shared/product.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 
 namespace plumb {

@@ -5,11 +5,17 @@
 #include "pipeline/bench/agreement.h"
 #include "pipeline/render/prepare.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <fmt/core.h>
 
 #include <bench_spirv/baseline_frag.h>
 #include <bench_spirv/baseline_vert.h>
+#include <glm/glm.hpp>
+#include <span>
+#include <utility>
 
 namespace plumb {
 namespace {

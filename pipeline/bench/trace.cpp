@@ -6,9 +6,13 @@
 #include "pipeline/passes/parallel.h"
 #include "pipeline/render/trace_frame.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <fmt/format.h>
 #include <cmath>
 #include <cstdlib>
+#include <fmt/ranges.h>
+#include <glm/glm.hpp>
 
 namespace plumb {
 

@@ -6,6 +6,7 @@
 #include "pipeline/bench/statistics.h"
 #include "pipeline/render/render.h"
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>

@@ -5,8 +5,14 @@
 #include "host/error.h"
 
 #ifdef PLUMB_EMBREE
+#include <cstddef>
+#include <cstdint>
 #include <dlfcn.h>
 #include <embree3/rtcore.h>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <string>
 #endif
 
 namespace plumb::peers {

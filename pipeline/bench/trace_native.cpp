@@ -2,7 +2,12 @@
 #include "pipeline/bench/trace_peers.h"
 #include "pipeline/passes/parallel.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
 
 // Compiled for the machine at hand where the compiler can.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \

@@ -4,6 +4,7 @@
 
 #include "pipeline/passes/trace.h"
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>

@@ -3,7 +3,11 @@
 #include "host/error.h"
 #include "pipeline/cli/options.h"
 
+#include <cstddef>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

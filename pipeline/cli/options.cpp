@@ -9,7 +9,11 @@
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <glm/glm.hpp>
 #include <limits>
+#include <string_view>
+#include <utility>
 
 namespace plumb {
 namespace {

@@ -14,8 +14,16 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <algorithm>
 #include <charconv>
+#include <cstddef>
+#include <cstdint>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -11,6 +11,8 @@
 
 #include <cstdlib>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

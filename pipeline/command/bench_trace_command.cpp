@@ -9,6 +9,9 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <fmt/ranges.h>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

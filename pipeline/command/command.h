@@ -6,6 +6,8 @@
 #include "pipeline/cli/options.h"
 
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

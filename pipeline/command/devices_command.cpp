@@ -4,7 +4,10 @@
 #include "pipeline/command/renderer.h"
 #include "pipeline/scene/text.h"
 
+#include <cstdint>
 #include <fmt/core.h>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

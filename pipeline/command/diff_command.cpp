@@ -8,9 +8,14 @@
 #include "pipeline/image/image.h"
 #include "pipeline/scene/text.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -2,6 +2,8 @@
 #include "pipeline/command/error_report.h"
 
 #include <fmt/core.h>
+#include <optional>
+#include <string>
 
 namespace plumb {
 namespace {

@@ -6,6 +6,9 @@
 #include "pipeline/render/rounding.h"
 #include "pipeline/truth/frame_error.h"
 
+#include <optional>
+#include <string>
+
 namespace plumb {
 
 Json truthJson(const Truth&);

@@ -8,9 +8,15 @@
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -10,9 +10,19 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <atomic>
+#include <cmath>
+#include <cstdint>
 #include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
+#include <fmt/ranges.h>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -5,8 +5,13 @@
 #include "pipeline/scene/text.h"
 #include "pipeline/transform/vector.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/core.h>
 #include <charconv>
+#include <glm/glm.hpp>
+#include <string_view>
+#include <utility>
 
 namespace plumb {
 namespace {

@@ -12,12 +12,20 @@
 #include "pipeline/report/report.h"
 #include "pipeline/scene/text.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -6,6 +6,9 @@
 
 #include <cstdio>
 #include <fmt/core.h>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

@@ -4,9 +4,15 @@
 #include "pipeline/image/image.h"
 #include "pipeline/scene/text.h"
 
+#include <cstdint>
+#include <filesystem>
 #include <fmt/core.h>
 #include <algorithm>
+#include <glm/glm.hpp>
+#include <optional>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -5,6 +5,13 @@
 #include "pipeline/command/stereo.h"
 #include "pipeline/image/arrange.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace plumb {
 
 struct OutputFile {

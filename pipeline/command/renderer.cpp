@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <fmt/core.h>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

@@ -5,6 +5,11 @@
 #include "pipeline/command/command.h"
 #include "pipeline/render/render.h"
 
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace plumb {
 
 DeviceRequest deviceRequestOf(const Options&);

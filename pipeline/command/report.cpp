@@ -6,10 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fmt/core.h>
 #include <fstream>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
 #include <sys/resource.h>
 #include <thread>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -4,6 +4,10 @@
 
 #include "pipeline/command/renderer.h"
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
 namespace plumb {
 
 struct SourceFile {

@@ -6,7 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <utility>
 
 namespace plumb {
 namespace {

@@ -7,6 +7,8 @@
 #include "pipeline/scene/load.h"
 
 #include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
 
 namespace plumb {
 

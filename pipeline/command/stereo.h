@@ -8,6 +8,9 @@
 #include "pipeline/command/renderer.h"
 #include "pipeline/command/views.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
+
 namespace plumb {
 
 struct Stereo {

@@ -9,9 +9,16 @@
 #include "pipeline/image/image.h"
 #include "pipeline/scene/text.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

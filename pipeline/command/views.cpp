@@ -6,8 +6,11 @@
 #include "pipeline/scene/text.h"
 
 #include <charconv>
+#include <cstdint>
 #include <fmt/core.h>
 #include <glm/gtc/matrix_transform.hpp>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -5,7 +5,11 @@
 #include "pipeline/cli/options.h"
 #include "pipeline/render/frame.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <map>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

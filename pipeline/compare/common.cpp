@@ -2,9 +2,13 @@
 // Layers of two files in one form, and colours as they are seen.
 #include "pipeline/compare/metrics.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -5,8 +5,13 @@
 #include "pipeline/compare/metrics.h"
 #include "pipeline/scene/text.h"
 
+#include <cstdint>
 #include <fmt/format.h>
 #include <algorithm>
+#include <fmt/ranges.h>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

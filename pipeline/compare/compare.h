@@ -7,8 +7,11 @@
 #include "pipeline/compare/picture.h"
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

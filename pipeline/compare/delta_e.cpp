@@ -5,7 +5,10 @@
 #include "pipeline/passes/parallel.h"
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <numbers>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -5,6 +5,8 @@
 #include "pipeline/compare/compare.h"
 #include "pipeline/render/frame.h"
 
+#include <cstdint>
+
 namespace plumb {
 
 // |A - B| of each channel times 2^exponent, the largest power of two that keeps every finite difference below 256/255 of full scale; a layer of one

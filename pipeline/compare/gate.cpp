@@ -9,6 +9,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <fmt/ranges.h>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -12,6 +12,10 @@
 
 #include "pipeline/compare/compare.h"
 
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace plumb {
 
 enum class Metric { max, mean, rmse, psnr, ssim, flip, flipMax, deltaE, deltaEMax, ulp, differing, region, nan, over };

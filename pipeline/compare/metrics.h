@@ -4,6 +4,11 @@
 
 #include "pipeline/compare/compare.h"
 
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace plumb {
 
 // Both layers with the same channels: grey becomes R G B when the other has it, missing alpha is opaque, 8 bits become 16. False when there is no

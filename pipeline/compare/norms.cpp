@@ -3,11 +3,14 @@
 #include "pipeline/compare/metrics.h"
 #include "pipeline/passes/parallel.h"
 
+#include <array>
+#include <cstdint>
 #include <half.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -8,10 +8,18 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace plumb {
 namespace {

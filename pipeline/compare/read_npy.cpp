@@ -3,6 +3,8 @@
 #include "pipeline/compare/picture.h"
 #include "pipeline/scene/text.h"
 
+#include <cstdint>
+#include <filesystem>
 #include <fmt/core.h>
 #include <half.h>
 #include <array>
@@ -11,6 +13,10 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

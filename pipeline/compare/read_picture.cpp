@@ -3,8 +3,11 @@
 #include "pipeline/scene/sha256.h"
 #include "pipeline/scene/text.h"
 
+#include <cstdint>
+#include <filesystem>
 #include <fmt/core.h>
 #include <span>
+#include <string>
 
 namespace plumb {
 

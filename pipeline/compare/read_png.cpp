@@ -3,8 +3,14 @@
 #include "pipeline/compare/picture.h"
 #include "pipeline/scene/text.h"
 
+#include <cstdint>
+#include <filesystem>
 #include <png.h>
 #include <cstring>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -4,6 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
 
 namespace plumb {
 namespace {

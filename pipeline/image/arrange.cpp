@@ -4,6 +4,7 @@
 #include "host/error.h"
 
 #include <algorithm>
+#include <cstdint>
 
 namespace plumb {
 

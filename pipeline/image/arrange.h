@@ -4,6 +4,7 @@
 
 #include "pipeline/render/frame.h"
 
+#include <cstdint>
 #include <string_view>
 #include <vector>
 

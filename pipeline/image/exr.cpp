@@ -9,7 +9,12 @@
 #include <ImfIO.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <exception>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -4,8 +4,12 @@
 #include "pipeline/image/image.h"
 
 #include <bit>
+#include <cstddef>
 #include <cstring>
 #include <fmt/core.h>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

@@ -5,13 +5,19 @@
 #include "pipeline/image/zlib_strips.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fmt/core.h>
 #include <memory>
 #include <png.h>
+#include <string>
 #include <sys/stat.h>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -3,6 +3,11 @@
 #include "pipeline/image/arrange.h"
 #include "pipeline/scene/colour.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
 namespace plumb {
 
 const std::vector<std::string_view>& namesOf(Inks inks) {

@@ -3,6 +3,10 @@
 #include "pipeline/image/image.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 
 namespace plumb {
 

@@ -3,6 +3,7 @@
 
 #include "host/error.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 
 namespace plumb {

@@ -4,11 +4,15 @@
 #include "host/error.h"
 #include "pipeline/measure/pareto.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

@@ -7,8 +7,13 @@
 #include "pipeline/render/rounding.h"
 #include "pipeline/truth/frame_error.h"
 
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

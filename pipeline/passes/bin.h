@@ -6,6 +6,8 @@
 #include "pipeline/passes/cull.h"
 #include "shaders/shared/bin.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 

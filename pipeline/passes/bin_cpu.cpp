@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/passes/bin.h"
 
+#include <algorithm>
+
 namespace plumb {
 
 // Plain: every tile of a triangle's box, each edge at the tile's pixel that is most inside, in 64-bit integers.

@@ -8,6 +8,7 @@
 #include "shaders/shared/long_transform.h"
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <vector>
 
 namespace plumb {

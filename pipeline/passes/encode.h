@@ -5,6 +5,7 @@
 #include "shaders/shared/encode.h"
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -9,6 +9,8 @@
 #include "shaders/shared/encode.h"
 #include "shaders/shared/vectors.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 
 namespace plumb {

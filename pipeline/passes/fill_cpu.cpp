@@ -5,7 +5,9 @@
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/parallel.h"
 
+#include <algorithm>
 #include <array>
+#include <utility>
 
 namespace plumb {
 

@@ -5,6 +5,8 @@
 #include "host/recorder.h"
 #include "pipeline/passes/draw_list.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 
 namespace plumb {

@@ -6,6 +6,8 @@
 #include "pipeline/passes/draw_list.h"
 #include "shaders/shared/lines.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 
 namespace plumb {

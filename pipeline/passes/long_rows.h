@@ -4,6 +4,8 @@
 
 #include "shaders/shared/long_transform.h"
 
+#include <glm/glm.hpp>
+
 namespace plumb {
 
 // Of an object whose coordinates are nowhere beyond `reach`: the exponent e of X = x 2^-e, |X| at most 2^30.

@@ -5,6 +5,8 @@
 #include "host/recorder.h"
 #include "shaders/shared/resolve.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 
 namespace plumb {

@@ -4,6 +4,8 @@
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
 
+#include <algorithm>
+
 namespace plumb {
 
 void resolveCpu(uint32_t width, uint32_t height, uint32_t side, bool transparent, uint32_t encoding, std::span<const float> samples,

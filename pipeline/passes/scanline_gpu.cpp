@@ -3,9 +3,11 @@
 
 #include "host/error.h"
 
+#include <algorithm>
 #include <fmt/core.h>
 #include <spirv/scanline.h>
 #include <spirv/scanpaint.h>
+#include <utility>
 
 namespace plumb {
 

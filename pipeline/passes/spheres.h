@@ -5,6 +5,8 @@
 #include "host/recorder.h"
 #include "shaders/shared/spheres.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 

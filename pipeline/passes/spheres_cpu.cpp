@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 #include <algorithm>
+#include <utility>
 
 namespace plumb {
 

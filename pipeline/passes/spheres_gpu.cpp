@@ -7,6 +7,7 @@
 #include <spirv/spheres.h>
 #include <spirv/spheres_native.h>
 #include <algorithm>
+#include <utility>
 
 namespace plumb {
 

@@ -6,6 +6,8 @@
 #include "shaders/shared/encode.h"
 #include "shaders/shared/trace.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 

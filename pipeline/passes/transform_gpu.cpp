@@ -7,6 +7,7 @@
 #include <spirv/transform.h>
 #include <spirv/transform_block.h>
 #include <spirv/transform_double.h>
+#include <string>
 
 namespace plumb {
 

@@ -6,12 +6,15 @@
 #include "shaders/shared/fill.h"
 #include "shaders/shared/shade.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <glm/glm.hpp>
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace plumb {
 

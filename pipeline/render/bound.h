@@ -5,6 +5,7 @@
 
 #include "pipeline/render/render.h"
 
+#include <glm/glm.hpp>
 #include <string>
 
 namespace plumb {

@@ -4,6 +4,12 @@
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/render/wire.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
 namespace plumb {
 
 namespace {

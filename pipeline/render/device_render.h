@@ -5,6 +5,8 @@
 
 #include "pipeline/render/gpu_frame.h"
 
+#include <cstdint>
+
 namespace plumb {
 
 class DeviceRender {

@@ -7,8 +7,13 @@
 #include "pipeline/passes/transform.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace plumb {
 

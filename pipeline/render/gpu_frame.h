@@ -9,6 +9,13 @@
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/prepare.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
 namespace plumb {
 
 // The chunk or the band does not fit the device's ranges: the caller halves what it asked for.

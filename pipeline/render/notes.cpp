@@ -9,10 +9,17 @@
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/scene/text.h"
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <glm/glm.hpp>
 #include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

@@ -6,6 +6,8 @@
 #include "pipeline/passes/scanline.h"
 #include "pipeline/render/prepare.h"
 
+#include <cstdint>
+
 namespace plumb {
 
 // A polygon of the list: where it comes from.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <set>
 
 namespace plumb {

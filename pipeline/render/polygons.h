@@ -5,6 +5,8 @@
 
 #include "pipeline/scene/mesh.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <utility>
 #include <vector>

@@ -5,6 +5,10 @@
 #include "pipeline/passes/fill.h"
 #include "pipeline/render/render.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+
 namespace plumb {
 
 struct Prepared {

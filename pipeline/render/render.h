@@ -8,8 +8,13 @@
 #include "pipeline/render/frame.h"
 #include "pipeline/scene/scene.h"
 
+#include <cstdint>
 #include <functional>
+#include <glm/glm.hpp>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

@@ -11,7 +11,12 @@
 #include "pipeline/render/twin_frame.h"
 #include "pipeline/render/wire.h"
 
+#include <algorithm>
 #include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 namespace plumb {
 

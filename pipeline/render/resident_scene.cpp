@@ -3,7 +3,9 @@
 #include "pipeline/render/trace_frame.h"
 #include "pipeline/scene/plain_floats.h"
 
+#include <memory>
 #include <utility>
+#include <vector>
 
 namespace plumb {
 

@@ -49,6 +49,10 @@ inline double floorReal(double x) { return std::floor(x); }
 #define vec3 dvec3
 #define vec4 dvec4
 #include "shaders/shared/shade.h"
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
 #undef float
 #undef vec3
 #undef vec4

@@ -6,6 +6,7 @@
 
 #include "pipeline/render/render.h"
 
+#include <cstdint>
 #include <optional>
 
 namespace plumb {

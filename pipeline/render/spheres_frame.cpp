@@ -5,9 +5,14 @@
 #include "pipeline/passes/parallel.h"
 #include "pipeline/render/stopwatch.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

@@ -5,6 +5,7 @@
 #include "host/recorder.h"
 
 #include <chrono>
+#include <vector>
 
 namespace plumb {
 

@@ -5,9 +5,16 @@
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/trace_samples.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <chrono>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

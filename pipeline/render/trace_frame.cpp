@@ -7,6 +7,12 @@
 #include "pipeline/render/trace_samples.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

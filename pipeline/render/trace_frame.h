@@ -5,6 +5,10 @@
 #include "pipeline/passes/trace.h"
 #include "pipeline/render/prepare.h"
 
+#include <cstdint>
+#include <memory>
+#include <span>
+
 namespace plumb {
 
 // Records of what rays meet, and what the kernel may leave out. Throws Error(input) for what is beyond the stated limits.

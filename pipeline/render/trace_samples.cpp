@@ -6,8 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
+#include <glm/glm.hpp>
 #include <mutex>
+#include <span>
+#include <vector>
 
 namespace plumb {
 

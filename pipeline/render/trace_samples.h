@@ -4,7 +4,11 @@
 
 #include "pipeline/render/trace_frame.h"
 
+#include <cstdint>
 #include <functional>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
 
 namespace plumb {
 

@@ -6,8 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

@@ -5,6 +5,9 @@
 #include "pipeline/passes/transform.h"
 #include "pipeline/render/stopwatch.h"
 
+#include <cstdint>
+#include <vector>
+
 namespace plumb {
 
 TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads,

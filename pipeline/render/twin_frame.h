@@ -6,6 +6,10 @@
 #include "pipeline/passes/cull.h"
 #include "pipeline/render/prepare.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
 namespace plumb {
 
 struct TwinGeometry {

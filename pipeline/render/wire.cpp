@@ -6,7 +6,13 @@
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/stopwatch.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
 
 namespace plumb {
 

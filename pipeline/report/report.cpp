@@ -5,8 +5,10 @@
 #include "pipeline/image/image.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace plumb {
 

@@ -4,9 +4,14 @@
 #include "host/error.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <string>
 #include <tuple>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

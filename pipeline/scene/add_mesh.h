@@ -4,6 +4,10 @@
 
 #include "pipeline/scene/load.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
 namespace plumb {
 
 // Appends a finished mesh; returns its index. A mesh too small to draw is refused at `place`; what finishMesh repaired

@@ -6,6 +6,9 @@
 #include "pipeline/transform/matrix.h"
 #include "pipeline/transform/vector.h"
 
+#include <cmath>
+#include <glm/glm.hpp>
+
 namespace plumb {
 
 // No NaN, and nothing above kMaxCoordinate.

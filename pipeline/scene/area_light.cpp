@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/scene/area_light.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
 namespace plumb {
 
 std::vector<Light> pointsOf(const AreaLight& area) {

@@ -4,6 +4,10 @@
 
 #include "pipeline/scene/scene.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
 namespace plumb {
 
 // Points of one area light: every light of a scene is met at every shaded point, so more is a slip of the pen rather than a lamp.

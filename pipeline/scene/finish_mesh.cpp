@@ -10,8 +10,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

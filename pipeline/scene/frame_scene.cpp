@@ -8,7 +8,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -6,7 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <fmt/core.h>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -4,8 +4,12 @@
 
 #include "pipeline/scene/scene.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

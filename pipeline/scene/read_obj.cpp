@@ -7,8 +7,16 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
+#include <filesystem>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <string>
+#include <string_view>
+#include <system_error>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -3,7 +3,14 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
 
 namespace plumb {
 namespace {

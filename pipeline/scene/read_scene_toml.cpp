@@ -2,7 +2,12 @@
 #include "pipeline/scene/sha256.h"
 #include "pipeline/scene/toml_scene.h"
 
+#include <cstdint>
+#include <filesystem>
 #include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 
 namespace plumb {
 namespace scene_file {

@@ -4,10 +4,17 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <string>
+#include <string_view>
 
 namespace plumb {
 namespace {

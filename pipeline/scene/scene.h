@@ -5,7 +5,11 @@
 #include "pipeline/scene/mesh.h"
 #include "pipeline/transform/step.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace plumb {
 

@@ -1,6 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/scene/toml_scene.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
 namespace plumb::scene_file {
 
 namespace {

@@ -5,7 +5,15 @@
 #include "pipeline/scene/add_mesh.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
 #include <set>
+#include <string>
+#include <system_error>
+#include <tuple>
+#include <utility>
 
 namespace plumb::scene_file {
 

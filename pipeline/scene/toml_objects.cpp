@@ -5,6 +5,11 @@
 #include "pipeline/scene/affine.h"
 
 #include <algorithm>
+#include <fmt/format.h>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace plumb::scene_file {
 

@@ -8,8 +8,16 @@
 #include "pipeline/scene/toml_values.h"
 #include "pipeline/transform/steps.h"
 
+#include <cstdint>
+#include <filesystem>
+#include <fmt/format.h>
+#include <functional>
+#include <glm/glm.hpp>
 #include <map>
+#include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 namespace plumb::scene_file {
 

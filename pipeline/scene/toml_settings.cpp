@@ -5,6 +5,11 @@
 #include "pipeline/scene/affine.h"
 
 #include <cmath>
+#include <cstdint>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <string>
+#include <utility>
 
 namespace plumb::scene_file {
 

@@ -5,6 +5,10 @@
 #include "pipeline/scene/affine.h"
 
 #include <cmath>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <string>
+#include <utility>
 
 namespace plumb::scene_file {
 

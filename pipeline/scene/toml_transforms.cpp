@@ -4,7 +4,12 @@
 
 #include "pipeline/scene/affine.h"
 
+#include <cstdint>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace plumb::scene_file {
 

@@ -6,6 +6,7 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 #include <toml++/toml.h>
 #include <algorithm>

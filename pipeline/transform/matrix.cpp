@@ -3,6 +3,9 @@
 
 #include "pipeline/transform/vector.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace plumb {
 namespace {
 

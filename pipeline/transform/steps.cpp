@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/transform/steps.h"
 
+#include <array>
+#include <cstddef>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

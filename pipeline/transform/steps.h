@@ -4,6 +4,9 @@
 
 #include "pipeline/transform/chain.h"
 
+#include <glm/glm.hpp>
+#include <vector>
+
 namespace plumb {
 
 using Step2 = Step<glm::dmat3>;

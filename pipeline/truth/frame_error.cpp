@@ -3,9 +3,11 @@
 
 #include "host/error.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace plumb {
 

@@ -4,7 +4,9 @@
 
 #include "pipeline/truth/truth.h"
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace plumb {
 

@@ -11,8 +11,11 @@
 #include "pipeline/truth/exact.h"
 
 #include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <unordered_map>
+#include <vector>
 
 namespace plumb::truth {
 

@@ -5,6 +5,10 @@
 
 #include "pipeline/truth/geometry.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
 namespace plumb::truth {
 
 class Illumination {

@@ -2,8 +2,11 @@
 #include "pipeline/truth/ray_world.h"
 
 #include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace plumb::truth {
 

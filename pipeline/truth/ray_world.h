@@ -6,7 +6,10 @@
 #include "pipeline/scene/scene.h"
 #include "pipeline/truth/real.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <vector>
 
 namespace plumb::truth {

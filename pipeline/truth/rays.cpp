@@ -2,6 +2,9 @@
 #include "pipeline/truth/rays.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <limits>
 #include <type_traits>
 

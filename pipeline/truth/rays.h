@@ -9,6 +9,10 @@
 #include "pipeline/truth/geometry.h"
 #include "pipeline/truth/ray_world.h"
 
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+
 namespace plumb::truth {
 
 struct RayLimits {

@@ -10,6 +10,7 @@
 #include "pipeline/truth/illumination.h"
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <vector>
 
 namespace plumb::truth {

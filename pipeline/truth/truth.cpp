@@ -10,9 +10,13 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <exception>
+#include <glm/glm.hpp>
 #include <mutex>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

@@ -6,6 +6,9 @@
 
 #include "pipeline/render/render.h"
 
+#include <cstdint>
+#include <vector>
+
 namespace plumb {
 
 struct Truth {
