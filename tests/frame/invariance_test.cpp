@@ -9,8 +9,19 @@
 #include "tests/support/scenes.h"
 
 #include <algorithm>
+#include <bit>
 #include <cfenv>
 #ifdef __SSE2__
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 #include <xmmintrin.h>
 #endif
 

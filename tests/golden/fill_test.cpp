@@ -7,7 +7,15 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/twin/scanline_support.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <fstream>
+#include <glm/glm.hpp>
+#include <set>
+#include <string>
+#include <vector>
 
 namespace plumb::golden {
 namespace {

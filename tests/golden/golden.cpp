@@ -2,11 +2,14 @@
 #include "tests/golden/golden.h"
 
 
+#include <algorithm>
 #include <fmt/core.h>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <map>
+#include <utility>
 
 namespace plumb::golden {
 namespace {

@@ -13,7 +13,18 @@
 #include "tests/support/compare.h"
 #include "tests/support/device_fixture.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <glm/glm.hpp>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace plumb::golden {
 namespace {

@@ -3,6 +3,10 @@
 
 #include "tests/twin/pass_frame.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+
 namespace plumb::golden {
 
 std::vector<glm::vec4> lit(const std::vector<LitPoint>& points, const std::vector<gpu::MaterialRecord>& materials,

@@ -4,6 +4,8 @@
 
 #include "pipeline/passes/illuminate.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <vector>
 
 namespace plumb::golden {

@@ -11,12 +11,20 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/twin/scanline_support.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <fmt/core.h>
 #include <fstream>
+#include <glm/glm.hpp>
 #include <map>
 #include <optional>
 #include <set>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb::golden {
 namespace {

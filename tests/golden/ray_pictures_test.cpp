@@ -3,10 +3,16 @@
 #include "pipeline/scene/load.h"
 #include "tests/support/ray_scenes.h"
 
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string>
+#include <utility>
 
 namespace plumb::test {
 namespace {

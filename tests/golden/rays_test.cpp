@@ -7,10 +7,16 @@
 #include "tests/golden/golden.h"
 #include "tests/support/ray_scenes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
+#include <glm/glm.hpp>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace plumb::golden {
 namespace {

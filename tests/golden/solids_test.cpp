@@ -4,7 +4,14 @@
 #include "tests/golden/golden.h"
 #include "tests/golden/notes_fill.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <initializer_list>
 #include <numbers>
+#include <string>
+#include <vector>
 
 namespace plumb::golden {
 namespace {

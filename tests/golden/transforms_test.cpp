@@ -4,7 +4,17 @@
 #include "pipeline/transform/vector.h"
 #include "tests/golden/golden.h"
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdint>
+#include <cstdlib>
+#include <glm/glm.hpp>
 #include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb::golden {
 namespace {

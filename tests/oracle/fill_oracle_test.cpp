@@ -10,9 +10,19 @@
 #include "tests/oracle/fixed_function.h"
 #include "tests/oracle/screen_scene.h"
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -4,6 +4,7 @@
 #include "host/graphics.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <numeric>
 #include <stdexcept>
 

@@ -3,6 +3,8 @@
 #include "pipeline/passes/long_rows.h"
 #include "pipeline/truth/exact.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -7,9 +7,14 @@
 #include "tests/oracle/trace_oracle.h"
 #include "tests/support/ray_scenes.h"
 
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <cstdio>
+#include <utility>
+#include <vector>
 
 namespace plumb::test {
 namespace {

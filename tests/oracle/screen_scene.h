@@ -8,8 +8,12 @@
 #include "pipeline/render/render.h"
 
 #include <array>
+#include <cstdint>
 #include <cstring>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
+#include <string>
+#include <vector>
 
 namespace plumb::test {
 

@@ -7,7 +7,15 @@
 #include "tests/support/compare.h"
 #include "tests/support/scenes.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <glm/glm.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb::test {
 namespace {

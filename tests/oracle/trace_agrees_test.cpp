@@ -5,11 +5,17 @@
 #include "tests/support/ray_scenes.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <cstdio>
+#include <filesystem>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
+#include <string>
+#include <vector>
 
 namespace plumb::test {
 namespace {

@@ -5,7 +5,9 @@
 
 #include "pipeline/scene/scene.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 

@@ -7,9 +7,15 @@
 #include "tests/support/ray_scenes.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
+#include <ostream>
+#include <string>
+#include <vector>
 
 namespace plumb::test {
 namespace {

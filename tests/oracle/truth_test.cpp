@@ -8,8 +8,18 @@
 #include "tests/oracle/screen_scene.h"
 #include "tests/support/scenes.h"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <fmt/core.h>
 #include <cmath>
+#include <glm/glm.hpp>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

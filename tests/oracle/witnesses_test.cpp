@@ -5,10 +5,14 @@
 #include "tests/oracle/coverage_oracle.h"
 #include "tests/oracle/fixed_function.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <random>
+#include <string>
+#include <vector>
 
 namespace plumb::oracle {
 namespace {

@@ -8,9 +8,21 @@
 #include "tests/oracle/screen_scene.h"
 #include "tests/support/temporary_folder.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
 #include <fmt/core.h>
+#include <functional>
+#include <glm/glm.hpp>
 #include <random>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <span>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace plumb::test {
 

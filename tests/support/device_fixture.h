@@ -7,8 +7,10 @@
 #include "host/error.h"
 
 #include <cstdio>
+#include <cstdlib>
 #include <gtest/gtest.h>
 #include <memory>
+#include <string>
 
 namespace plumb::test {
 

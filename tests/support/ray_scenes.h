@@ -4,6 +4,10 @@
 
 #include "tests/support/scenes.h"
 
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+
 namespace plumb::test {
 
 inline Scene rayScene() {

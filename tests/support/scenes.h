@@ -8,8 +8,16 @@
 #include "pipeline/scene/load.h"
 
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <glm/glm.hpp>
+#include <ostream>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb::test {
 

@@ -2,6 +2,7 @@
 // A folder of one test, gone when the test ends.
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>

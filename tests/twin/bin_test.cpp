@@ -2,6 +2,9 @@
 #include "tests/twin/pass_frame.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <fmt/format.h>
+#include <vector>
 
 namespace plumb::test {
 namespace {

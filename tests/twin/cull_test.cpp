@@ -4,7 +4,12 @@
 
 #include "pipeline/passes/cull.h"
 
+#include <algorithm>
 #include <bit>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
 
 namespace plumb::test {
 namespace {

@@ -3,6 +3,13 @@
 #include "pipeline/passes/encode.h"
 #include "tests/twin/pass_frame.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <vector>
+
 namespace plumb::test {
 namespace {
 

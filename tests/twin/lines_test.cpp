@@ -3,6 +3,15 @@
 
 #include "tests/twin/pass_frame.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <ostream>
+#include <utility>
+#include <vector>
+
 namespace plumb::test {
 namespace {
 

@@ -8,6 +8,12 @@
 #include "tests/support/device_fixture.h"
 #include "tests/support/scenes.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
 namespace plumb::test {
 
 inline constexpr double kWatchdogMs = 60000;

@@ -5,8 +5,13 @@
 #include "tests/support/device_fixture.h"
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <glm/glm.hpp>
+#include <memory>
 #include <random>
+#include <span>
+#include <vector>
 
 namespace plumb::test {
 namespace {

@@ -4,6 +4,14 @@
 #include "pipeline/passes/encode.h"
 #include "tests/twin/pass_frame.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <ostream>
+#include <utility>
+#include <vector>
+
 namespace plumb::test {
 namespace {
 

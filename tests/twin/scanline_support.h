@@ -5,6 +5,12 @@
 #include "pipeline/passes/scanline.h"
 #include "tests/twin/pass_frame.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <fmt/format.h>
+#include <span>
+#include <vector>
+
 namespace plumb::test {
 
 inline ScanCanvas sameOnBothSides(const ScanList& list, std::vector<gpu::ScanSpan>* lines) {

@@ -3,7 +3,13 @@
 
 #include "tests/twin/scanline_support.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
 #include <numbers>
+#include <vector>
 
 namespace plumb::test {
 namespace {

@@ -5,6 +5,15 @@
 #include "tests/support/ray_scenes.h"
 #include "tests/twin/pass_frame.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <ostream>
+#include <span>
+#include <string>
+#include <vector>
+
 namespace plumb::test {
 namespace {
 

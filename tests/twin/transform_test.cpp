@@ -6,6 +6,15 @@
 
 #include "tests/twin/pass_frame.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <ostream>
+#include <span>
+#include <vector>
+
 namespace plumb::test {
 namespace {
 

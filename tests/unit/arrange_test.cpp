@@ -6,6 +6,11 @@
 #include "tests/support/compare.h"
 #include "tests/support/temporary_folder.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
 namespace plumb::test {
 namespace {
 

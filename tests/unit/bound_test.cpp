@@ -6,9 +6,17 @@
 #include "pipeline/truth/frame_error.h"
 #include "tests/support/ray_scenes.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -3,8 +3,13 @@
 #include "pipeline/scene/colour.h"
 #include "pipeline/scene/area_light.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -4,8 +4,11 @@
 #include "host/error.h"
 #include "pipeline/compare/gate.h"
 
+#include <cstdint>
 #include <gtest/gtest.h>
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -5,10 +5,15 @@
 #include "pipeline/compare/draw.h"
 #include "pipeline/compare/metrics.h"
 
+#include <array>
+#include <cstdint>
 #include <gtest/gtest.h>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <numeric>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -4,7 +4,11 @@
 
 #include "pipeline/compare/compare.h"
 
+#include <array>
+#include <cstdint>
 #include <functional>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

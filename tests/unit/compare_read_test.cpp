@@ -11,10 +11,17 @@
 #include <ImfOutputFile.h>
 #include <ImfPartType.h>
 #include <ImfTiledOutputFile.h>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <half.h>
 #include <png.h>
+#include <string>
+#include <utility>
+#include <vector>
 #include <zlib.h>
 #include <atomic>
 #include <cstring>

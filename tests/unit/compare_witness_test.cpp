@@ -2,10 +2,13 @@
 // The committed pairs against what other programs said about them (tests/data/compare/make_witness.py).
 #include "pipeline/compare/compare.h"
 
+#include <cmath>
+#include <cstddef>
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace plumb {
 namespace {

@@ -6,11 +6,18 @@
 #include "shaders/shared/shade.h"
 #include "shaders/shared/transform.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <gtest/gtest.h>
+#include <ios>
+#include <limits>
 #include <random>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

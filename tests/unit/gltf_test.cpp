@@ -6,10 +6,17 @@
 #include "tests/support/temporary_folder.h"
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -4,10 +4,13 @@
 #include "host/error.h"
 #include "tests/support/temporary_folder.h"
 
+#include <cstdint>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <fstream>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

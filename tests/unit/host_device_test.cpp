@@ -8,8 +8,15 @@
 #include "shared/exact.h"
 #include "tests/support/temporary_folder.h"
 
+#include <bit>
+#include <cmath>
+#include <cstdint>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
+#include <initializer_list>
+#include <ios>
+#include <memory>
 #include <spirv/canary.h>
 #include <spirv/host_add.h>
 #include <spirv/host_exact.h>
@@ -21,6 +28,8 @@
 #include <filesystem>
 #include <functional>
 #include <random>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

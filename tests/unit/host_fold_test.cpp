@@ -6,8 +6,10 @@
 
 #include "tests/support/temporary_folder.h"
 
+#include <cstdint>
 #include <fmt/core.h>
 #include <gtest/gtest.h>
+#include <span>
 #include <spirv/host_add.h>
 #include <spirv/host_reflect.h>
 
@@ -18,6 +20,8 @@
 #include <iterator>
 #include <random>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

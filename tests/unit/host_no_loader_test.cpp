@@ -4,6 +4,7 @@
 #include "host/error.h"
 
 #include <gtest/gtest.h>
+#include <string>
 
 namespace plumb {
 namespace {

@@ -3,7 +3,9 @@
 #include "host/error.h"
 #include "host/program.h"
 
+#include <cstdint>
 #include <gtest/gtest.h>
+#include <span>
 #include <spirv/host_reflect.h>
 
 #include <bit>
@@ -11,6 +13,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

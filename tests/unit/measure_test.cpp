@@ -5,9 +5,13 @@
 #include "pipeline/measure/pareto.h"
 #include "tests/support/ray_scenes.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <cmath>
+#include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -4,6 +4,7 @@
 #include "tests/support/scenes.h"
 
 #include <cmath>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 
 namespace plumb::gpu {

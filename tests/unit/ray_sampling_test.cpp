@@ -4,9 +4,12 @@
 #include "shaders/shared/trace.h"
 #include "tests/support/ray_scenes.h"
 
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <cmath>
 #include <set>
+#include <vector>
 
 namespace plumb::test {
 namespace {

@@ -2,7 +2,11 @@
 // The report stays one small file whatever goes in. What a reader sees of it is tested in a browser (tests/browser).
 #include "pipeline/report/report.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <gtest/gtest.h>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -3,13 +3,20 @@
 #include "host/error.h"
 #include "pipeline/scene/load.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <map>
 #include <random>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -6,8 +6,16 @@
 #include "tests/support/plain_picture.h"
 #include "tests/support/temporary_folder.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

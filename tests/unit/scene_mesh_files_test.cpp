@@ -6,10 +6,17 @@
 #include "tests/support/temporary_folder.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <glm/glm.hpp>
 #include <limits>
 #include <map>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

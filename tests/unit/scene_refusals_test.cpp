@@ -7,16 +7,28 @@
 #include "tests/support/temporary_folder.h"
 
 #include <bit>
+#include <cctype>
 #include <chrono>
+#include <clocale>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fmt/core.h>
 #include <functional>
+#include <glm/glm.hpp>
+#include <limits>
+#include <locale>
 #include <map>
+#include <string>
+#include <string_view>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <unistd.h>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -5,11 +5,18 @@
 #include "pipeline/scene/load.h"
 #include "tests/support/temporary_folder.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <fmt/core.h>
+#include <fstream>
 #include <functional>
 #include <glm/gtc/matrix_access.hpp>
 #include <set>
 #include <sstream>
+#include <string>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -2,9 +2,14 @@
 #include "pipeline/transform/steps.h"
 #include "pipeline/transform/vector.h"
 
+#include <cmath>
+#include <cstddef>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <limits>
 #include <random>
+#include <span>
+#include <vector>
 
 namespace plumb {
 namespace {
