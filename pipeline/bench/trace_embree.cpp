@@ -4,15 +4,16 @@
 
 #include "host/error.h"
 
-#ifdef PLUMB_EMBREE
 #include <cstddef>
 #include <cstdint>
-#include <dlfcn.h>
-#include <embree3/rtcore.h>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
 #include <string>
+
+#ifdef PLUMB_EMBREE
+#include <dlfcn.h>
+#include <embree3/rtcore.h>
 #endif
 
 namespace plumb::peers {
