@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <bit>
 #include <cfenv>
-#ifdef __SSE2__
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -22,6 +21,7 @@
 #include <tuple>
 #include <utility>
 #include <vector>
+#ifdef __SSE2__
 #include <xmmintrin.h>
 #endif
 
