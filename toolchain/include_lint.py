@@ -230,12 +230,32 @@ def blanked(text):
     return NOISE.sub(lambda match: re.sub(r"[^\n]", " ", match.group(0)), text)
 
 
+def conditional_lines(text):
+    """Lines between #if and #endif, but for those of an include guard."""
+    open_, inside = [], set()
+    for number, line in enumerate(text.split("\n"), 1):
+        m = re.match(r"[ \t]*#[ \t]*(if|endif)(ndef[ \t]+PLUMB_\w+_H$)?", line)
+        if m and m.group(1) == "if":
+            open_.append(not m.group(2))
+        elif m and open_:
+            open_.pop()
+        if any(open_):
+            inside.add(number)
+    return inside
+
+
+def line_of(text, at):
+    return text.count("\n", 0, at) + 1
+
+
 def uses(text):
-    """{(shown name, headers that give it): first line}"""
-    found = {}
+    """{(shown name, headers that give it): first line}, of what stands outside #if and of what stands inside"""
+    conditional = conditional_lines(text)
+    always, sometimes = {}, {}
 
     def use(name, headers, at):
-        found.setdefault((name, tuple(headers)), text.count("\n", 0, at) + 1)
+        line = line_of(text, at)
+        (sometimes if line in conditional else always).setdefault((name, tuple(headers)), line)
     for m in re.finditer(r"(?<![\w:])(?:::)?std::((?:\w+::)*\w+)", text):
         words = m.group(1).split("::")
         name = "::".join(words[:2]) if words[0] == "ranges" else words[0]
@@ -253,13 +273,16 @@ def uses(text):
         if headers is None or name in CALLED and not call or name in QUALIFIED and not scope:
             continue
         use(name, headers, m.start())
-    return found
+    return always, sometimes
 
 
-def includes(text):
-    """Names of what a text includes; C's spelling of a header counts as C++'s."""
+def includes(text, conditional=frozenset()):
+    """Names of what a text includes outside the lines given; C's spelling of a header counts as C++'s."""
     given = set()
-    for _, name in INCLUDE.findall(text):
+    for m in INCLUDE.finditer(text):
+        if line_of(text, m.start()) in conditional:
+            continue
+        name = m.group(2)
         given.add(name)
         given.update(cpp for cpp, c in C_NAMES.items() if c == name)
         given.update(FMT_INCLUDES.get(name, ()))
@@ -297,19 +320,21 @@ def read(root, path):
 def missing(root, path):
     """[(line, name, headers that give it)] of what a file uses and neither it nor its own header includes."""
     text = read(root, path)
-    given = includes(re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.S))
+    given = includes(text, conditional_lines(text))
     own = own_header(root, path)
-    if own and own in given:
-        given |= includes(read(root, own))
-    return sorted((line, name, headers) for (name, headers), line in uses(blanked(text)).items() if not given.intersection(headers))
+    of_own = includes(read(root, own)) if own and own in given else set()
+    always, sometimes = uses(blanked(text))
+    return sorted([(line, name, headers) for (name, headers), line in always.items() if not (given | of_own).intersection(headers)] +
+                  [(line, name, headers) for (name, headers), line in sometimes.items() if not (includes(text) | of_own).intersection(headers)])
 
 
 def mended(text, headers):
     """The text with the headers in the block of <...> includes, in its order where it has one, else behind the last include."""
     for header in sorted(headers):
         line = f"#include <{header}>"
-        at = [(m.start(), m.group(2)) for m in INCLUDE.finditer(text) if m.group(1) == "<"]
-        after = [m for m in INCLUDE.finditer(text)]
+        conditional = conditional_lines(text)
+        after = [m for m in INCLUDE.finditer(text) if line_of(text, m.start()) not in conditional]
+        at = [(m.start(), m.group(2)) for m in after if m.group(1) == "<"]
         place = next((start for start, name in at if name > header), None)
         if place is not None:
             text = text[:place] + line + "\n" + text[place:]
@@ -352,7 +377,7 @@ def self_test():
         "host/a.cpp": '#include "host/a.h"\n\n#include <algorithm>\n\nstd::vector<uint32_t> f() { return {std::max(1u, 2u)}; }\n',
         "host/a_gpu.cpp": '#include "host/a.h"\nuint32_t g() { return uint32_t(f().size()); }\n',
         "pipeline/b.cpp": '#include <stdint.h>\n#include <fstream>\nint64_t h(std::ifstream& in, Door& door) {\n'
-                          '    // std::string is only spoken of, and so is std::sort\n    const auto text = "std::map<uint8_t> EINTR";\n    in.read(0, 0), door->close(1);\n'
+                          '#ifdef PLUMB_SPEAK\n#include <list>\nstatic std::list<int> spoken;\n#endif\n    // std::string is only spoken of, and so is std::sort\n    const auto text = "std::map<uint8_t> EINTR";\n    in.read(0, 0), door->close(1);\n'
                           "    const char quote = '\"'; const int million = 1'000'000;\n    return read(quote, million);\n}\n",
     }
     lacking = {
@@ -365,6 +390,7 @@ def self_test():
         "a signal": "int x = SIGTERM;", "a stream of C": "auto x = stderr;", "a range": "bool x = std::ranges::equal(a, b);", "GLM": "glm::vec3 x;", "fmt": "auto x = fmt::join(a, b);",
         "a name after a digit separator": "int x = 1'000; std::list<int> y; char z = 'z';", "a name after a raw string": 'auto x = R"(")"; std::list<int> y;',
         "an unknown name of std": "std::teleport x;", "an unknown name of fmt": "auto x = fmt::teleport(1);",
+        "an include under a condition": "#ifdef PLUMB_X\n#include <list>\n#endif\nstd::list<int> x;",
         "what another header includes": '#include "host/a.h"\nstd::vector<int> x;',
     }
     wrong = []
