@@ -35,6 +35,15 @@ def output_of(*command):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
+def cached(build, name):
+    """Value of a variable in CMake's cache."""
+    with open(os.path.join(build, "CMakeCache.txt"), encoding="utf-8") as f:
+        found = re.search(rf"^{name}:\w+=(.*)$", f.read(), re.M)
+    if not found:
+        sys.exit(f"run_plants: {build} was configured without {name}")
+    return found.group(1)
+
+
 class Build:
     """What Ninja knows of a finished build tree."""
 
@@ -254,7 +263,7 @@ def main():
         return 1
     begin = time.monotonic()
     say = lambda text: print(f"[{time.monotonic() - begin:5.0f} s] {text}", flush=True)
-    os.environ.setdefault("VK_ICD_FILENAMES", f"/usr/share/vulkan/icd.d/lvp_icd.{os.uname().machine}.json")
+    os.environ.setdefault("VK_ICD_FILENAMES", cached(options.build, "PLUMB_TEST_ICD"))
     os.environ.setdefault("PLUMB_VALIDATION", "1")
     build = Build(options.build)
     absent = sorted({row.program for row in rows if build.link_of(row.program) is None})
