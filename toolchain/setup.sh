@@ -28,6 +28,35 @@ plumb_as_root() {
   fi
 }
 
+# What apt-get says when another process holds a lock. It waits by itself for the lock of dpkg; on its other locks it fails.
+plumb_locked='Waiting for cache lock|Could not get lock|Unable to acquire the dpkg frontend lock|Unable to lock directory'
+plumb_lock_wait_s=${PLUMB_LOCK_WAIT_S:-600}
+
+# plumb_apt LOG WORDS...: apt-get, which waits as long as another process holds a lock, at most plumb_lock_wait_s seconds.
+plumb_apt() {
+  local log=$1 until=$((SECONDS + plumb_lock_wait_s)) told='' pid status left
+  shift
+  while :; do
+    left=$((until > SECONDS ? until - SECONDS : 0)) status=0
+    plumb_as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout="$left" -o Dpkg::Use-Pty=0 "$@" >"$log" 2>&1 &
+    pid=$!
+    while kill -0 "$pid" 2>/dev/null; do
+      if [ -z "$told" ] && grep -Eqa "$plumb_locked" "$log"; then
+        told=1
+        plumb_say "another process holds apt's lock: waiting, at most $plumb_lock_wait_s s"
+      fi
+      sleep 0.2
+    done
+    wait "$pid" || status=$?
+    if [ "$status" = 0 ] || [ "$SECONDS" -ge "$until" ] || ! grep -Eqa "$plumb_locked" "$log"; then return "$status"; fi
+    if [ -z "$told" ]; then
+      told=1
+      plumb_say "another process holds apt's lock: waiting, at most $plumb_lock_wait_s s"
+    fi
+    sleep 1
+  done
+}
+
 # Installs the packages of the sections that dpkg does not know as installed. Asks no registry when none is missing.
 plumb_install() {
   command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
@@ -43,24 +72,32 @@ plumb_install() {
   plumb_say "installing ${#missing[@]} packages: ${missing[*]}"
   local log
   log=$(mktemp)
-  local install=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends
-                 -o Dpkg::Use-Pty=0 "${missing[@]}")
   # Package lists may be absent (a container image) or older than the mirror: the second try is with fresh ones.
-  if ! plumb_as_root "${install[@]}" >"$log" 2>&1; then
-    plumb_as_root apt-get update -q >"$log" 2>&1 || { tail -n 20 "$log" >&2; plumb_die "apt-get update failed"; }
-    plumb_as_root "${install[@]}" >"$log" 2>&1 || { tail -n 20 "$log" >&2; plumb_die "apt-get install failed"; }
+  if ! plumb_apt "$log" install -y --no-install-recommends "${missing[@]}"; then
+    plumb_apt "$log" update || { tail -n 20 "$log" >&2; plumb_die "apt-get update failed"; }
+    plumb_apt "$log" install -y --no-install-recommends "${missing[@]}" || { tail -n 20 "$log" >&2; plumb_die "apt-get install failed"; }
   fi
   rm -f "$log"
 }
 
-# Configures a preset when it never was, and builds it (or only the targets given). Ninja does nothing when nothing changed
-# and configures anew by itself when a CMake file changed.
+# Names and versions of what is installed of all that packages.txt names: what a configured tree has looked for.
+plumb_found_packages() {
+  command -v dpkg-query >/dev/null || return 0
+  local wanted
+  mapfile -t wanted < <(sed '/^#/d;/^$/d' "$plumb_root/toolchain/packages.txt")
+  dpkg-query -W -f='${db:Status-Status} ${Package} ${Version}\n' "${wanted[@]}" 2>/dev/null | sed -n 's/^installed //p' | sort || true
+}
+
+# Configures a preset when it never was or when other packages are installed than then, and builds it (or only the targets given). Ninja does nothing when
+# nothing changed and configures anew by itself when a CMake file changed.
 plumb_build() {
-  local preset=$1 build=$plumb_root/build/$1
+  local preset=$1 build=$plumb_root/build/$1 packages
   shift
-  if [ ! -f "$build/build.ninja" ]; then
+  packages=$(plumb_found_packages)
+  if [ ! -f "$build/build.ninja" ] || [ "$packages" != "$(cat "$build/packages.txt" 2>/dev/null)" ]; then
     plumb_say "configuring $preset"
     (cd "$plumb_root" && cmake --preset "$preset" >&2)
+    printf '%s\n' "$packages" >"$build/packages.txt"
   fi
   plumb_say "building $preset"
   NINJA_STATUS="[$preset %f/%t %es] " cmake --build "$build" --parallel "$plumb_jobs" ${1:+--target "$@"} >&2
