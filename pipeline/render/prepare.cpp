@@ -16,6 +16,8 @@
 #include <fmt/core.h>
 #include <limits>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace plumb {

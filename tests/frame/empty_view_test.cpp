@@ -9,8 +9,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <fmt/format.h>
+#include <glm/glm.hpp>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace plumb::test {
 namespace {

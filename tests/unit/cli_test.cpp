@@ -4,14 +4,19 @@
 #include "pipeline/cli/options.h"
 #include "pipeline/cli/progress.h"
 
+#include <array>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/core.h>
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <optional>
 #include <regex>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 namespace {
