@@ -26,7 +26,8 @@ namespace plumb {
 
 namespace {
 
-constexpr uint32_t kPlanes = gpu::kFillPlaneZ | gpu::kFillPlaneTriangle | gpu::kFillPlaneLinear;   // what passes() compares
+// Those of the chain's planes, so that both take the same kernels; passes() compares the first three.
+constexpr uint32_t kPlanes = gpu::kFillPlaneZ | gpu::kFillPlaneTriangle | gpu::kFillPlaneLinear | gpu::kFillPlaneNormal;
 constexpr size_t kSmallPlane = 1 << 18;  // values; the hash of so few takes as long as a thread's start
 
 // Distance in representable floats; the sign bit is folded so that -0 and +0 are 0 apart.
@@ -131,7 +132,7 @@ private:
         GpuFrame frame(device_, p, request_.watchdogMs);
         const uint32_t count = uint32_t(std::min<uint64_t>(frame.chunkTriangles(), p.list.triangles.size()));
         const DrawList list = chunkOf(p.list, 0, count);
-        const TwinGeometry twin = twinGeometry(list, p.choices, false, 0, nullptr);
+        const TwinGeometry twin = twinGeometry(list, p.choices, false, threadCount(request_.threads), nullptr);
         const size_t vertices = list.positions.size();
         frame.upload(list);
         frame.transformAndCull(false);
@@ -181,7 +182,8 @@ private:
             return;  // the chain draws this one in chunks
         }
         FillChoices choices = p.choices;
-        choices.write = kPlanes;
+        choices.write = p.choices.shading == gpu::kShadingPhong ? kPlanes : kPlanes & ~gpu::kFillPlaneNormal;
+        choices.colour = p.side == 1;
         frame.fill(choices);
         const TileLists want = binCpu(frame.binPush(), twin.draws, twin.screen);
         const TileLists got = frame.lists();
@@ -191,11 +193,11 @@ private:
         std::vector<int> z(samples);
         std::vector<uint32_t> draw(samples);
         std::vector<float> linear(3 * samples);
-        fillCpu(band, twin.draws, twin.screen, z, draw, 0, p.choices.depthBits);
+        fillCpu(band, twin.draws, twin.screen, z, draw, threadCount(request_.threads), p.choices.depthBits);
         for (size_t i = 0; i < samples; ++i)
             if (!draw[i]) std::copy_n(&p.backgroundLinear[0], 3, linear.begin() + ptrdiff_t(3 * i));
         shadeCpu(band, list, p.choices, twin.draws, twin.screen, p.choices.shading == gpu::kShadingFlat ? twin.faceColours : twin.carried, z,
-                 draw, linear, {}, 0);
+                 draw, linear, {}, threadCount(request_.threads));
         for (size_t at = 0; at < samples; ++at) {
             const size_t x = at % size_t(band.width), y = at / size_t(band.width);
             const size_t word = y * frame.rowPixels() + x;
