@@ -53,6 +53,9 @@ Json ratioJson(const MeasuredRun& run, const MeasuredRun& base) {
     return run.total.ms.size() < 2 ? Json() : Json(run.total.median() / base.total.median());
 }
 
+// What a bound says below full scale; else null.
+Json stated(double bound) { return std::isfinite(bound) ? Json(bound) : Json(); }
+
 Json rowJson(const Row& row, const Measurement& m) {
     Json json;
     json["axis"] = row.axis->name;
@@ -83,11 +86,11 @@ Json rowJson(const Row& row, const Measurement& m) {
         }
         if (!run.boundWhy.empty()) json["boundWhy"] = run.boundWhy;
         if (run.bound)
-            json["bound"] = {{"max", run.bound->max / 255},
-                             {"mean", run.bound->mean / 255},
-                             {"rms", run.bound->rms / 255},
-                             {"p99", run.bound->p99 / 255},
-                             {"choice", {{"linear", run.bound->linear}, {"steps", run.bound->steps}}},
+            json["bound"] = {{"max", stated(run.bound->max / 255)},
+                             {"mean", stated(run.bound->mean / 255)},
+                             {"rms", stated(run.bound->rms / 255)},
+                             {"p99", stated(run.bound->p99 / 255)},
+                             {"choice", {{"linear", stated(run.bound->linear)}, {"steps", run.bound->steps}}},
                              {"kind", "the default picture's error as measured, pixel by pixel, and what the choice may add to it as proved"}};
     }
     json["onFront"] = row.onFront;
@@ -178,8 +181,8 @@ std::string csvOf(const Measurement& m) {
                 text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},", e.max / 255, e.x, e.y, e.p99 / 255, e.mean / 255,
                                     e.rms / 255, run.alike->wrongShare(), run.alike->picture.rms / 255,
                                     run.alike->unrounded.max / 255, share(run.rounding.has_value(), run.rounding ? run.rounding->max : 0),
-                                    share(run.bound.has_value(), run.bound ? run.bound->max : 0),
-                                    share(run.bound.has_value(), run.bound ? run.bound->rms : 0));
+                                    share(run.bound && std::isfinite(run.bound->max), run.bound ? run.bound->max : 0),
+                                    share(run.bound && std::isfinite(run.bound->rms), run.bound ? run.bound->rms : 0));
             } else {
                 text += ",,,,,,,,,,,,";
             }
@@ -217,7 +220,7 @@ std::string tableOf(const Measurement& m, const std::string& title, const std::a
         if (run.error)
             text += fmt::format("{:>9.3f} {:>8.3f} {:>8.3f} {:>10.5f} {:>8.3f}% {:>10} {:>9}\n", run.error->picture.max,
                                 run.error->picture.p99, run.error->picture.rms, run.alike->unrounded.rms,
-                                100 * run.alike->wrongShare(), run.bound ? fmt::format("{:.3f}", run.bound->rms) : "-",
+                                100 * run.alike->wrongShare(), run.bound && std::isfinite(run.bound->rms) ? fmt::format("{:.3f}", run.bound->rms) : "-",
                                 run.rounding ? fmt::format("{:.2g}", run.rounding->max) : "-");
         else
             text += fmt::format("no error: {}\n", row.why);

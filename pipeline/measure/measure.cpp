@@ -3,6 +3,7 @@
 
 #include "host/error.h"
 #include "pipeline/measure/pareto.h"
+#include "pipeline/render/bound.h"
 
 #include <cstdint>
 #include <fmt/core.h>
@@ -157,7 +158,7 @@ private:
                 run.alike = &own == &truthAt(most, fill, full.request.samples) ? run.error : errorOf(result.frame, own, full.request.encoding, transparent);
                 run.alike->perPixel.clear();
                 run.alike->unroundedPerPixel.clear();
-                if (i == 0) baseLinear_ = result.frame.linear, baseSteps_ = run.error->unroundedPerPixel;
+                if (i == 0) baseFrame_ = result.frame;
                 run.error->unroundedPerPixel.clear();
                 // The twin draws the same bytes as the device, with any number of threads.
                 Setting same = run.setting;
@@ -167,7 +168,7 @@ private:
                     run.rounding = out_.runs[0].rounding;
                 else if (i == 0 || leftMs() > 0)
                     run.rounding = roundingOf(scene_, full.request, result.frame);
-                if (i > 0) takeBound(run, *run.error);
+                if (i > 0) takeBound(run, result.frame, truthAt(most, fill, full.request.samples));
                 if (!plan_.keepPictures) run.error->perPixel.clear();
             }
             estimates_[i] = result.totalMs;
@@ -185,7 +186,7 @@ private:
     }
 
     // Only where nothing but the trade differs from the default picture, and that gives nothing away.
-    void takeBound(MeasuredRun& run, const FrameError& error) const {
+    void takeBound(MeasuredRun& run, const Frame& frame, const Truth& truth) {
         const RenderRequest &base = plan_.base.request, &request = run.setting.request;
         Setting rest = run.setting;
         rest.request.trade = base.trade;
@@ -200,37 +201,39 @@ private:
             run.boundWhy = "bounds are those of choices against an sRGB picture that trades nothing";
             return;
         }
-        const ColourBound moves = depthOrCutoff ? boundOfDepth(scene_, base, request) : boundOfTrade(scene_, request);
-        if (!moves.proved) {
-            run.boundWhy = moves.why;
+        if (!depthOrCutoff) {
+            // A pixel of several samples may show several faces.
+            ColourBound bound = boundOfTrade(scene_, request, request.samples == 1 ? &baseFrame_ : nullptr);
+            if (bound.proved && !bound.brighterAt.empty())
+                return compareBound(run, frame, truth, {std::move(bound.brighterAt), std::move(bound.darkerAt)}, bound.steps);
+            if (bound.proved) return compareBound(run, frame, truth, {bound.linear, bound.darker}, bound.steps);
+            run.boundWhy = bound.why;
             return;
         }
-        ErrorBound bound;
-        bound.linear = std::max({moves.linear.x, moves.linear.y, moves.linear.z});
-        bound.steps = moves.steps;
-        // |byte - truth| <= |default - truth|, measured, + what the choice moves + half a step of rounding + the steps of the code.
-        const double last = 0.5 + moves.steps;
-        std::vector<double> sums;
-        double moved = 0;
-        for (size_t at = 0; at < baseSteps_.size(); ++at) {
-            if (!(error.perPixel[at] > 0) && !(baseSteps_[at] > 0)) continue;  // nothing is shown
-            double most = 0;
-            for (int c = 0; c < 3; ++c) {
-                const double value = double(baseLinear_[3 * at + size_t(c)]), off = moves.linear[c];
-                most = std::max({most, srgbCode(value + off) - srgbCode(value), srgbCode(value) - srgbCode(value - off)});
-            }
-            sums.push_back(double(baseSteps_[at]) + most + last);
-            moved += most * most;
-        }
-        if (!sums.empty()) {
-            for (const double s : sums) bound.max = std::max(bound.max, s), bound.mean += s;
-            bound.mean /= double(sums.size());
-            const size_t rank = (sums.size() * 99 + 99) / 100 - 1;
-            std::nth_element(sums.begin(), sums.begin() + ptrdiff_t(rank), sums.end());
-            bound.p99 = sums[rank];
-            bound.rms = out_.runs[0].error->unrounded.rms + std::sqrt(moved / double(sums.size())) + last;
-        }
-        run.bound = bound;
+        if (!raysBound_) raysBound_.emplace(scene_, base);
+        BoundOfRays::Moves moves = raysBound_->of(request);
+        if (moves.proved) return compareBound(run, frame, truth, {std::move(moves.brighter), std::move(moves.darker)}, 0);
+        run.boundWhy = moves.why;
+    }
+
+    // States the bound of a run's error, and ends the measurement where the error is beyond it.
+    void compareBound(MeasuredRun& run, const Frame& frame, const Truth& truth, const ColourMoves& moves, double steps) const {
+        ErrorBound bound = errorBoundOf(baseFrame_, truth, plan_.base.request.transparent, moves, steps);
+        std::optional<BoundBreach> breach = breachOfMoves(baseFrame_, frame, moves);
+        if (!breach) breach = breachOf(*run.error, bound, frame.width);
+        if (breach)
+            throw renderError(fmt::format("'{}' at pixel ({}, {}): {} is {:.6g} {}, beyond its proved bound {:.6g}", nameOf(run), breach->x, breach->y,
+                                          breach->figure == "linear" ? "the change" : "error." + breach->figure, breach->error, breach->unit, breach->bound));
+        bound.perPixel.clear();
+        run.boundWhy = bound.why();
+        if (!bound.empty()) run.bound = std::move(bound);
+    }
+
+    // The row that a run was made for.
+    std::string nameOf(const MeasuredRun& run) const {
+        for (const Row& row : out_.rows)
+            if (row.run && &out_.runs[*row.run] == &run) return fmt::format("{} {}", row.axis->name, row.choice->name);
+        return wordsOf(run.setting);
     }
 
     void planRounds() {
@@ -312,7 +315,8 @@ private:
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     Measurement out_;
     std::map<std::tuple<uint32_t, Fill, uint32_t, Sampling>, Truth> truths_;  // by its samples, fill, samples drawn, places of rays
-    std::vector<float> baseLinear_, baseSteps_;  // of the default picture: its colours, and its errors before rounding to bytes
+    Frame baseFrame_;  // the default picture
+    std::optional<BoundOfRays> raysBound_;
     std::vector<double> estimates_;  // ms of one draw of each run
     uint32_t rounds_ = 0;
 };

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "pipeline/measure/axes.h"
-#include "pipeline/render/bound.h"
+#include "pipeline/measure/error_bound.h"
 #include "pipeline/render/rounding.h"
 #include "pipeline/truth/frame_error.h"
 
@@ -35,14 +35,6 @@ struct Times {
     double max() const;
 };
 
-// Between which the error of a picture must lie where its choice has a proved bound: the default picture's error as it was measured, pixel by pixel,
-// and what the choice may add to it (pipeline/render/bound.h). Steps of the sRGB code, rounding to bytes included.
-struct ErrorBound {
-    double max = 0, mean = 0, rms = 0, p99 = 0;
-    double linear = 0;  // what the choice may add, in linear light
-    double steps = 0;   // and in steps of the code, after that
-};
-
 // A distinct way to draw; rows of several axes may share one (the default picture stands in every axis).
 struct MeasuredRun {
     Setting setting;
@@ -50,8 +42,8 @@ struct MeasuredRun {
     std::vector<std::pair<std::string, Times>> passes;
     std::optional<FrameError> error;  // against the one truth; none for a wire frame
     std::optional<FrameError> alike;  // against the truth at the picture's own samples
-    std::optional<ErrorBound> bound;  // of `error`; none for the default picture itself
-    std::string boundWhy;             // no bound: why
+    std::optional<ErrorBound> bound;  // of `error`; none for the default picture itself. Below full scale, and `error` is within it
+    std::string boundWhy;             // no bound, or none of some figures: why
     std::optional<Rounding> rounding; // what float32 costs by itself
     std::vector<uint32_t> rgba;       // keepPictures
     std::vector<RenderCounters::RayCounts> rays;  // by depth; of a traced picture
@@ -79,7 +71,8 @@ struct Measurement {
 };
 
 // Each choice is drawn once with planes for its error and once without to warm up (both must have the same bytes: Error(failed) otherwise), then all
-// are timed in turn, round by round, so that a slow minute of the machine meets all alike. Where the limit leaves no time for two rounds of all, the
+// are timed in turn, round by round, so that a slow minute of the machine meets all alike. An error beyond its proved bound fails: Error(failed), with the row, the
+// pixel and both numbers. Where the limit leaves no time for two rounds of all, the
 // slowest are cut and listed.
 Measurement measure(const Scene& scene, const MeasurePlan& plan);
 

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/bound.h"
 
-#include "pipeline/scene/ray_shares.h"
-#include "shaders/shared/encode.h"
-#include "shaders/shared/fill.h"
+#include "pipeline/render/bound_light.h"
+#include "pipeline/render/prepare.h"
 #include "shaders/shared/shade.h"
+#include "shaders/shared/transform.h"
 
-#include <cstdint>
-#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
-#include <map>
-#include <set>
-#include <utility>
+#include <unordered_map>
 
 namespace plumb {
 
@@ -23,239 +20,280 @@ namespace {
 using glm::dvec3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// From a point to the nearest of a triangle (C. Ericson, Real-Time Collision Detection, 2005, 5.1.5).
-double distanceToTriangle(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
-    const dvec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-    const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp),
-                 d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-    if (d1 <= 0 && d2 <= 0) return glm::length(ap);
-    if (d3 >= 0 && d4 <= d3) return glm::length(bp);
-    if (d6 >= 0 && d5 <= d6) return glm::length(cp);
-    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return glm::length(ap - ab * (d1 / (d1 - d3)));
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return glm::length(ap - ac * (d2 / (d2 - d6)));
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-        return glm::length(bp - (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))));
-    const double sum = va + vb + vc;
-    return sum > 0 ? glm::length(ap - (ab * vb + ac * vc) / sum) : 0;
-}
+bool isFinite(const dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-template <class Visit>
-void eachTriangle(const Scene& scene, const Visit& visit) {
-    for (const Object& object : scene.objects) {
-        const TriangleMesh& mesh = scene.meshes[object.mesh];
-        for (const TriangleMesh::Triangle& t : mesh.triangles) visit(object, mesh, t);
-    }
-}
-
-// The most light of all lamps that any surface can get, in each channel: attenuation by the least distance to a triangle, less what float32 may
-// move a corner by (2^-20 of its distance from the origin of the scene).
-dvec3 mostLight(const Scene& scene) {
-    dvec3 sum(0);
-    for (const Light& light : scene.lights) {
-        double fade = 1;
-        if (!light.directional && light.attenuation != Attenuation::none) {
-            double nearest = kInfinity, reach = 0;
-            eachTriangle(scene, [&](const Object& object, const TriangleMesh& mesh, const TriangleMesh::Triangle& t) {
-                dvec3 p[3];
-                for (int i = 0; i < 3; ++i)
-                    p[i] = dvec3(object.worldFromObject * glm::dvec4(mesh.positions[t.vertex[size_t(i)]], 1));
-                for (const dvec3& corner : p) reach = std::max(reach, glm::length(corner - scene.camera->eye));
-                nearest = std::min(nearest, distanceToTriangle(light.position, p[0], p[1], p[2]));
-            });
-            // Rays meet these, too; a bounded plane is part of the whole one.
-            for (const SphereShape& s : scene.spheres) {
-                nearest = std::min(nearest, std::abs(glm::length(s.centre - light.position) - s.radius));
-                reach = std::max(reach, glm::length(s.centre - scene.camera->eye) + s.radius);
-            }
-            for (const PlaneShape& p : scene.planes) {
-                nearest = std::min(nearest, std::abs(glm::dot(p.normal, light.position - p.point)));
-                reach = std::max(reach, glm::length(light.position - scene.camera->eye));
-            }
-            nearest = std::max(0.0, nearest - std::ldexp(reach, -20));
-            fade = nearest == kInfinity ? 0 : 1 / std::pow(nearest, int(light.attenuation));
-        }
-        sum += dvec3(light.intensity) * fade;
-    }
-    return sum;
-}
-
-// The least square of the length of a normal that is interpolated between the unit normals of a triangle's corners: with weights a_i that sum to 1
-// and c the least cosine between two of them, |sum a_i n_i|^2 >= c + (1 - c) sum a_i^2 >= (1 + 2 c) / 3.
-double leastSquaredNormal(const Scene& scene) {
-    double least = 1;
-    eachTriangle(scene, [&](const Object& object, const TriangleMesh& mesh, const TriangleMesh::Triangle& t) {
-        const glm::dmat3 n = glm::inverse(glm::transpose(glm::dmat3(object.worldFromObject)));
-        dvec3 unit[3];
-        for (int i = 0; i < 3; ++i) {
-            unit[i] = n * dvec3(mesh.normals[t.vertex[size_t(i)]]);
-            const double length = glm::length(unit[i]);
-            if (!(length > 0) || !std::isfinite(length)) return void(least = 0);
-            unit[i] /= length;
-        }
-        const double c = std::min({glm::dot(unit[0], unit[1]), glm::dot(unit[1], unit[2]), glm::dot(unit[2], unit[0])});
-        least = std::min(least, std::max(0.0, (1 + 2 * c) / 3));
-    });
-    return least;
-}
-
-// The largest of what a material makes of a bound of its power and of its diffuse part, times the light that there is.
-template <class PowerBound>
-dvec3 times(const Scene& scene, const dvec3& light, double diffuse, const PowerBound& power) {
-    dvec3 most(0);
-    for (const Material& m : scene.materials)
-        for (int c = 0; c < 3; ++c) {
-            const double shine = m.specular[c] > 0 ? double(m.specular[c]) * power(m.shininess) : 0;
-            most[c] = std::max(most[c], light[c] * (double(m.diffuse[c]) * diffuse + shine));
-        }
-    return most;
-}
-
-// Two float32 evaluations of the same sum of terms: each light's product and the sum round a few times. 16 u of all that is added, a light.
-dvec3 slack(const Scene& scene, const dvec3& light) {
-    dvec3 most(0);
-    for (const Material& m : scene.materials)
-        for (int c = 0; c < 3; ++c)
-            most[c] = std::max(most[c], double(m.ambient[c]) * double(scene.ambient[c]) + double(m.emission[c]) +
-                                            light[c] * (double(m.diffuse[c]) + double(m.specular[c])));
-    return most * std::ldexp(16.0 * double(scene.lights.size() + 1), -24);
-}
-
-// The most weight that a tree of rays may leave below `least`, its last rays `depth` deep: the worst sequence of materials, each of which mirrors, or lets
-// pass, or both, or mirrors all of it.
-class CutWeight {
-public:
-    CutWeight(const Scene& scene, double least, uint32_t depth) : least_(least), depth_(depth) {
-        for (const Material& m : scene.materials) {
-            const RayShares s = raySharesOf(m);
-            if (s.reflect > 0 || s.transmit > 0) shares_.insert({double(s.reflect), double(s.transmit)});
-        }
-    }
-    double most() { return least_ > 0 ? below(1, 1) : 0; }
-
-private:
-    static constexpr size_t kMostStates = 100000;
-
-    double below(double weight, uint32_t depth) {
-        if (depth >= depth_) return 0;
-        const auto known = known_.find({weight, depth});
-        if (known != known_.end()) return known->second;
-        if (known_.size() > kMostStates) return weight;  // no more can be left of it
-        double worst = 0;
-        for (const auto& [reflect, transmit] : shares_) {
-            worst = std::max(worst, child(weight * reflect, depth) + child(weight * transmit, depth));
-            if (transmit > 0) worst = std::max(worst, child(weight * (reflect + transmit), depth));
-        }
-        return known_[{weight, depth}] = std::min(worst, weight);
-    }
-    // float32 multiplies weights: within 64 u of the cutoff it may decide either way.
-    double child(double weight, uint32_t depth) {
-        const double slack = std::ldexp(64.0, -24) * least_;
-        double worst = 0;
-        if (weight < least_ + slack) worst = weight;
-        if (weight >= least_ - slack) worst = std::max(worst, below(weight, depth + 1));
-        return worst;
-    }
-
-    const double least_;
-    const uint32_t depth_;
-    std::set<std::pair<double, double>> shares_;
-    std::map<std::pair<double, uint32_t>, double> known_;
-};
-
-// Rays of a sample at most.
-double mostRays(double sentOn, bool branching, double least, uint32_t depth) {
-    double count = 0;
-    for (uint32_t k = 0; k < depth; ++k) {
-        const double heavy = least > 0 ? std::pow(sentOn, k) / least : kInfinity;
-        count += branching ? std::min(std::ldexp(1.0, int(k)), heavy) : 1;
-    }
-    return count;
+ColourBound notProved(const char* why) {
+    ColourBound bound;
+    bound.proved = false;
+    bound.why = why;
+    return bound;
 }
 
 bool isLit(const RenderRequest& request) {
     return request.shading != Shading::unlit && request.shading != Shading::wire;
 }
 
+// What becomes of a pixel's normal that is interpolated between unit normals and not made unit, T, where the default's, D, is the unit vector of the
+// same sum with each corner's normal as long as the object's transform leaves it.
+struct NormalMove {
+    double length = 0;                 // T is at least this long, and at most 1
+    double turn = kHalfTurn;           // between T and D at most
+    static constexpr double kHalfTurn = 3.14159265358979323846;
+};
+
+// A dozen float32 operations lie between the corners' normals and a pixel's, none of which loses more than a few u of the sum of what is added. That sum is
+// 1 / length of the result, so its direction is off by less than 64 u / length.
+constexpr double kDirectionError = 0x1p-18;
+
+// `world`: the corners' normals as the transform pass leaves them.
+NormalMove moveOfNormals(const dvec3 (&world)[3]) {
+    dvec3 unit[3];
+    double least = kInfinity, most = 0;
+    for (int i = 0; i < 3; ++i) {
+        const double length = glm::length(world[i]);
+        if (!(length > 0) || !std::isfinite(length)) return {};
+        unit[i] = world[i] / length;
+        least = std::min(least, length);
+        most = std::max(most, length);
+    }
+    // With weights a_i that sum to 1 and c the least cosine between two of the unit normals u_i, |sum a_i u_i|^2 >= c + (1 - c) sum a_i^2 >= (1 + 2 c) / 3.
+    const double c = std::min({glm::dot(unit[0], unit[1]), glm::dot(unit[1], unit[2]), glm::dot(unit[2], unit[0])});
+    NormalMove move;
+    move.length = std::sqrt(std::clamp((1 + 2 * c) / 3, 0.0, 1.0));
+    if (move.length < 1.0 / 256) return {};
+    // D's weights are a_i times the lengths, so the two sets of weights are at most log r apart in Hilbert's metric, r the ratio of the largest length to
+    // the least. That metric is the cross-ratio on the line through both, with the edges of the corners' cone. Two directions at an angle of t with a
+    // cross-ratio r between them enclose at most 2 atan(k tan(t / 2)), k = (sqrt(r) - 1) / (sqrt(r) + 1); t is at most the largest angle between two
+    // corners where that is below a right one.
+    const double k = (std::sqrt(most / least) - 1) / (std::sqrt(most / least) + 1);
+    if (c > 0) move.turn = 2 * std::atan(k * std::sqrt((1 - std::min(c, 1.0)) / (1 + c)));
+    // The weights differ by at most 2 k together, and T is at least `length` long.
+    if (2 * k < move.length) move.turn = std::min(move.turn, std::asin(2 * k / move.length));
+    move.turn = std::min(move.turn + kDirectionError / move.length, NormalMove::kHalfTurn);
+    return move;
+}
+
+// The largest cosine between `axis`, a unit vector, and a direction from `apex` to a point that is at most `aside` from the triangle.
+double mostCosine(const dvec3& apex, const dvec3& axis, const dvec3 (&p)[3], double aside) {
+    dvec3 toward[3], middle(0);
+    double nearest = distanceToTriangle(apex, p[0], p[1], p[2]);
+    if (!(nearest > aside)) return 1;
+    for (int i = 0; i < 3; ++i) {
+        toward[i] = glm::normalize(p[i] - apex);
+        middle += toward[i];
+    }
+    if (!(glm::length(middle) > 0.5)) return 1;
+    middle = glm::normalize(middle);
+    // A cap below a right angle is convex: with the corners it holds the triangle.
+    double cosine = 1;
+    for (const dvec3& t : toward) cosine = std::min(cosine, glm::dot(middle, t));
+    if (!(cosine > 0)) return 1;
+    const double apart = std::acos(std::clamp(glm::dot(middle, axis), -1.0, 1.0)) - std::acos(std::min(cosine, 1.0)) - std::asin(aside / nearest);
+    return std::cos(std::max(0.0, apart - 0x1p-20));
+}
+
+// What the choices of a trade move in the pixels of each face that a raster picture may show.
+class FaceMoves {
+public:
+    struct Move {
+        dvec3 brighter{0}, darker{0};
+    };
+
+    FaceMoves(const Scene& scene, const RenderRequest& request)
+        : scene_(scene), request_(request), list_(prepare(scene, request).list), places_(scene, request),
+          native_(request.trade.specular == Trade::Specular::native), rough_(request.trade.specular == Trade::Specular::schlick),
+          shorter_(!request.trade.unitNormals && request.shading == Shading::phong) {}
+
+    // Calls visit(object, face, move) for each triangle of a face that `wanted` says yes to.
+    template <class Wanted, class Visit>
+    void each(const Wanted& wanted, const Visit& visit) const {
+        for (const DrawList::Range& range : list_.ranges) {
+            const Object& object = scene_.objects[range.sceneObject];
+            const TriangleMesh& mesh = scene_.meshes[object.mesh];
+            const gpu::ObjectRecord& record = list_.objects[range.record];
+            const auto placeOf = [&](const auto& p) { return dvec3(object.worldFromObject * glm::dvec4(dvec3(p), 1)); };
+            const auto normalOf = [&](const glm::vec4& v) {
+                const glm::vec3 n(v);
+                return dvec3(gpu::rowTimesVector(record.normal0, n), gpu::rowTimesVector(record.normal1, n), gpu::rowTimesVector(record.normal2, n));
+            };
+            for (const TriangleMesh::Triangle& t : mesh.triangles) {
+                if (!wanted(range.sceneObject, t.face)) continue;
+                dvec3 place[3], normal[3];
+                for (size_t i = 0; i < 3; ++i) {
+                    // Flat shading lights a face at its centre, which need not lie on a triangle of it.
+                    const bool flat = request_.shading == Shading::flat;
+                    place[i] = flat ? placeOf(mesh.faceCentre[t.face]) : placeOf(mesh.positions[t.vertex[i]]);
+                    normal[i] = normalOf(flat ? list_.faceNormals[range.firstFace + t.face] : list_.normals[range.firstVertex + t.vertex[i]]);
+                }
+                visit(range.sceneObject, t.face, moveOf(scene_.materials[mesh.faceMaterial[t.face]], place, normal));
+            }
+        }
+    }
+
+private:
+    Move moveOf(const Material& m, const dvec3 (&place)[3], const dvec3 (&normal)[3]) const {
+        const NormalMove move = moveOfNormals(normal);
+        const double s = move.length, s2 = s * s, turned = std::sin(std::min(move.turn, NormalMove::kHalfTurn / 2));
+        const double aside = places_.aside(place);
+        // |D.L - T.L| <= |D - T|, whose square (1 - |T|)^2 + 2 |T| (1 - cos turn) is largest at an end of |T|'s range.
+        const double chord = 2 * (1 - std::cos(move.turn));
+        const double diffuse = std::min(1.0, std::sqrt(std::max((1 - s) * (1 - s) + s * chord, chord)) + std::ldexp(16.0, -24));
+        const double power = powerBound(m, s2, turned);
+        dvec3 either(0), brighter(0), all = dvec3(m.ambient) * dvec3(scene_.ambient) + dvec3(m.emission);
+        for (const Light& light : scene_.lights) {
+            const Side side = sideOf(light, place, normal, aside, kDirectionError / std::max(s, kDirectionError));
+            if (side == Side::dark) continue;
+            const dvec3 reaches = dvec3(light.intensity) * fadeAt(light, light.directional ? kInfinity : places_.fromLamp(light.position, place));
+            if (!isFinite(reaches)) return {dvec3(kInfinity), dvec3(kInfinity)};
+            const dvec3 shine = reaches * dvec3(m.specular);
+            all += reaches * (dvec3(m.diffuse) + dvec3(m.specular));
+            if (!anyShine(m) && !shorter_) continue;
+            if (native_) either += shine * double(gpu::nativePowerBound(m.shininess));
+            if (rough_ && m.shininess != 0) brighter += shine * double(gpu::kSchlickExcess);  // x^0 is 1 for both; never darker
+            if (!shorter_) continue;
+            const double flip = side == Side::either && power < 1 && anyShine(m) ? flipBound(m, light, place, aside, turned) : 0;
+            either += reaches * dvec3(m.diffuse) * diffuse + shine * std::max(power, flip);
+        }
+        // Two float32 evaluations of the same sum of terms: each light's product and the sum round a few times. 16 u of all that is added, a light; as much
+        // for the mean of 16 samples.
+        either += all * std::ldexp(16.0 * double(scene_.lights.size() + 2), -24);
+        return {either + brighter, either};
+    }
+
+    static bool anyShine(const Material& m) { return std::max({m.specular.x, m.specular.y, m.specular.z}) > 0; }
+
+    // Of the power where both are lit. x = 1 - delta is R.V for the default. For the trade, with E the unit vector of T, R' = 2 (T.L) T - L gives
+    // x' = x_E - 2 (1 - s^2) (E.L) ((E.V) - s^2 (E.L)).
+    //   x' below x_E: (E.L) (1 - s^2 (E.L)) is at most 1 / (4 s^2), and at most 1 - s^2 where its place 1 / (2 s^2) is beyond 1.
+    //   x' above x_E: E.V < s^2 E.L, which an E that faces away from the viewer has, too. With a the angle of L to E, b that of V, R and V enclose at least
+    //     b - a. Where that is a right angle, (E.L) (s^2 (E.L) - (E.V)) reaches (s^2 + sqrt(1 + s^4)) / 2; where it is more, x_E is negative, counts as 0,
+    //     and x' is no more than this allows.
+    // x_E is x for a normal that is turned: R turns by twice that at most, so x by 2 sin(turn).
+    static double powerBound(const Material& m, double s2, double turned) {
+        if (m.shininess == 0) return 0;  // 1 for both
+        if (m.shininess < 1) return 1;
+        const double below = s2 >= 0.5 ? (1 - s2) / (2 * s2) : 2 * (1 - s2) * (1 - s2);
+        const double above = (1 - s2) * (s2 + std::sqrt(1 + s2 * s2));
+        const double x = std::min(1.0, std::max(below, above) + 2 * turned + std::ldexp(64.0, -24));
+        return std::min(1.0, 1 - std::pow(1 - x, double(m.shininess)) + kLeastPower);
+    }
+    // x^n begins at x = 2^-20 (specularPower), and its two evaluations are off by 3 2^-23 each.
+    static constexpr double kLeastPower = 0x1p-19;
+
+    enum class Side { lit, dark, either };
+    // Whether N.L > 0 for D and T alike, wherever in the triangle: N is a sum of the corners' normals with weights above 0, divided by at most 1.
+    static Side sideOf(const Light& light, const dvec3 (&place)[3], const dvec3 (&normal)[3], double aside, double error) {
+        bool allLit = true, allDark = true;
+        for (const dvec3& n : normal) {
+            const double length = glm::length(n);
+            for (const dvec3& p : place) {
+                const dvec3 toward = light.directional ? light.direction : light.position - p;
+                const double margin = error * glm::length(toward) + (light.directional ? 0 : 2 * aside), cosine = glm::dot(n, toward) / length;
+                allLit &= cosine > margin;
+                allDark &= cosine < -margin;
+            }
+        }
+        return allLit ? Side::lit : allDark ? Side::dark : Side::either;
+    }
+
+    // Where one of D and T is lit and the other is not, all of a highlight comes or goes. N.L of the lit one is below sin(turn) then, and R.V below
+    // -L.V + 2 sin(turn).
+    double flipBound(const Material& m, const Light& light, const dvec3 (&place)[3], double aside, double turned) const {
+        if (m.shininess < 1) return 1;  // (R.V)^0 is 1 for every R.V
+        const dvec3& eye = scene_.camera->eye;
+        const dvec3 viewer(list_.towardViewer);
+        double cosine = 1;  // of -L.V at most
+        if (light.directional) {
+            const dvec3 toward = glm::normalize(light.direction);
+            cosine = viewer == dvec3(0) ? mostCosine(eye, toward, place, aside) : -glm::dot(toward, viewer);
+        } else if (viewer != dvec3(0)) {
+            cosine = mostCosine(light.position, viewer, place, aside);
+        } else {
+            // (lamp - P).(eye - P) = |P - middle|^2 - half^2: negative only within the sphere between lamp and eye.
+            const double half = glm::length(light.position - eye) / 2;
+            const auto from = [&](const dvec3& to) { return std::max(0.0, distanceToTriangle(to, place[0], place[1], place[2]) - aside); };
+            const double middle = from((light.position + eye) / 2.0), lamp = from(light.position), near = from(eye);
+            const double inside = half * half - middle * middle;
+            cosine = inside <= 0 ? 0 : lamp * near > inside ? inside / (lamp * near) : 1;
+        }
+        const double x = cosine + 2 * turned + std::ldexp(64.0, -24);
+        return x <= 0 ? 0 : std::pow(std::min(1.0, x), double(m.shininess)) + kLeastPower;
+    }
+
+    const Scene& scene_;
+    const RenderRequest& request_;
+    const DrawList list_;
+    const LitPlaces places_;
+    const bool native_, rough_, shorter_;
+};
+
+// Of the faces of `scene`, or of those in `shown`: the largest moves, and those of each pixel.
+void takeMoves(const Scene& scene, const RenderRequest& request, const Frame* shown, ColourBound& bound) {
+    const FaceMoves moves(scene, request);
+    if (shown == nullptr) {
+        moves.each([](uint32_t, uint32_t) { return true; }, [&](uint32_t, uint32_t, const FaceMoves::Move& move) {
+            bound.linear = glm::max(bound.linear, move.brighter);
+            bound.darker = glm::max(bound.darker, move.darker);
+        });
+    } else {
+        std::unordered_map<uint64_t, FaceMoves::Move> faces;
+        const auto key = [](uint32_t object, uint32_t face) { return uint64_t(object) << 32 | face; };
+        for (size_t at = 0; at < shown->object.size(); ++at)
+            if (shown->object[at] != kNone) faces[key(shown->object[at], shown->primitive[at])] = {};
+        moves.each([&](uint32_t object, uint32_t face) { return faces.count(key(object, face)) != 0; }, [&](uint32_t object, uint32_t face, const FaceMoves::Move& move) {
+            FaceMoves::Move& most = faces[key(object, face)];
+            most.brighter = glm::max(most.brighter, move.brighter);
+            most.darker = glm::max(most.darker, move.darker);
+        });
+        bound.brighterAt.assign(3 * shown->object.size(), 0.0f);
+        bound.darkerAt.assign(3 * shown->object.size(), 0.0f);
+        for (size_t at = 0; at < shown->object.size(); ++at) {
+            if (shown->object[at] == kNone) continue;
+            const FaceMoves::Move& move = faces[key(shown->object[at], shown->primitive[at])];
+            bound.linear = glm::max(bound.linear, move.brighter);
+            bound.darker = glm::max(bound.darker, move.darker);
+            for (size_t c = 0; c < 3; ++c) {  // float32 rounds them to nearest
+                bound.brighterAt[3 * at + c] = float(move.brighter[glm::length_t(c)] * (1 + 0x1p-22));
+                bound.darkerAt[3 * at + c] = float(move.darker[glm::length_t(c)] * (1 + 0x1p-22));
+            }
+        }
+    }
+    if (isFinite(bound.linear)) bound.linear = glm::max(bound.linear, bound.darker);
+    else bound = notProved(kLampTouches);
+}
+
 }  // namespace
 
-ColourBound boundOfNative(const Scene& scene, const RenderRequest& request) {
+ColourBound boundOfNative(const Scene& scene, const RenderRequest& request, const Frame* shown) {
     ColourBound bound;
     if (request.trade.nativeEncode && request.encoding == Encoding::srgb) bound.steps = 1;
     if (request.trade.specular != Trade::Specular::native || !isLit(request)) return bound;
-    const dvec3 light = mostLight(scene);
-    bound.linear =
-        times(scene, light, 0, [](float n) { return double(gpu::nativePowerBound(n)); }) + slack(scene, light);
-    if (!std::isfinite(bound.linear.x + bound.linear.y + bound.linear.z))
-        return {false, dvec3(0), 0, "a light that fades with distance may touch a surface"};
+    RenderRequest alone = request;
+    alone.trade.unitNormals = true;
+    takeMoves(scene, alone, shown, bound);
     return bound;
 }
 
-ColourBound boundOfDepth(const Scene& scene, const RenderRequest& base, const RenderRequest& request) {
-    const auto none = [](const char* why) { return ColourBound{false, dvec3(0), 0, why}; };
-    if (request.rays.cutLevels) return none("whole levels are cut after each ray");
-    const dvec3 light = mostLight(scene);
-    dvec3 brightest(request.background);
-    double sentOn = 0;
-    bool branching = false;
-    for (const Material& m : scene.materials) {
-        for (int c = 0; c < 3; ++c)
-            brightest[c] = std::max(brightest[c], double(m.ambient[c]) * double(scene.ambient[c]) + double(m.emission[c]) + light[c] * (double(m.diffuse[c]) + double(m.specular[c])));
-        const RayShares s = raySharesOf(m);
-        sentOn = std::max(sentOn, double(s.reflect) + double(s.transmit));
-        branching |= s.reflect > 0 && s.transmit > 0;
-    }
-    if (!std::isfinite(brightest.x + brightest.y + brightest.z)) return none("a light that fades with distance may touch a surface");
-    double weight = 0;
-    const uint32_t shallow = std::min(base.maxDepth, request.maxDepth), deep = std::max(base.maxDepth, request.maxDepth);
-    if (shallow != deep) weight += std::pow(sentOn, shallow);
-    if (base.minWeight != request.minWeight) {
-        const double least = double(std::max(base.minWeight, request.minWeight)), other = double(std::min(base.minWeight, request.minWeight));
-        weight += std::max(CutWeight(scene, least, deep).most(), CutWeight(scene, other, deep).most());
-    }
-    // Both pictures round each of their sums to u of it; products within them take fewer than 2^7 operations.
-    const double rays = mostRays(sentOn, branching, double(std::min(base.minWeight, request.minWeight)), deep);
-    ColourBound bound;
-    bound.linear = brightest * (std::min(weight, 1.0) + (rays + 128) * std::ldexp(1.0, -23));
-    return bound;
-}
-
-ColourBound boundOfTrade(const Scene& scene, const RenderRequest& request) {
+ColourBound boundOfTrade(const Scene& scene, const RenderRequest& request, const Frame* shown) {
     const Trade& t = request.trade;
-    const auto none = [](const char* why) { return ColourBound{false, dvec3(0), 0, why}; };
     if (request.shading == Shading::ray || request.fill == Fill::notes)
-        return none("only the raster shadings of --fill exact have bounds of their choices");
+        return notProved("only the raster shadings of --fill exact have bounds of their choices");
     if (t.vectors != Trade::Vectors::pixel)
-        return none("a direction that is not the pixel's own may turn N.L's sign, and with it a highlight comes or goes at once");
-    if (t.numbers != Numbers::fp32) return none("a vertex that is off by less may be snapped to the next 1/256 px");
-    if (t.affine) return none("linear on the screen may be off by all that an attribute spans over a triangle");
-    if (t.depthBits != 32) return none("triangles that fall together tie, and another one may be seen");
-    if (t.subpixelBits != 8) return none("a vertex may move by 1/32 px, and its triangle with it");
-    if (t.coarse) return none("a pixel may show its neighbour's colour");
-    ColourBound bound = boundOfNative(scene, request);
-    if (!bound.proved || !isLit(request)) return bound;
-    const bool rough = t.specular == Trade::Specular::schlick,
-               shorter = !t.unitNormals && request.shading == Shading::phong;
-    if (!rough && !shorter) return bound;
-    const dvec3 light = mostLight(scene);
-    double least = 1;  // shininess of what shines
-    for (const Material& m : scene.materials)
-        if (std::max({m.specular.x, m.specular.y, m.specular.z}) > 0) least = std::min(least, double(m.shininess));
-    if (rough) {
-        if (least < 1) return none("Schlick's quotient has a bound for exponents from 1 up only");
-        bound.linear += times(scene, light, 0, [](float) { return double(gpu::kSchlickExcess); });
-    }
-    if (shorter) {
-        // A normal of length s: N.L falls by 1 - s at most. 1 - R.V becomes |R' - V|^2 / 2 with R' = 2 (N.L) N - L, |R'| <= 1, which differs by
-        // 2 (1 - s^2) ((N.L)(N.V) - s^2 (N.L)^2), at most 2 (1 - s^2) either way; its power then by at most n times that for n >= 1.
-        const double s2 = leastSquaredNormal(scene), moved = 2 * (1 - s2) + std::ldexp(64.0, -24);
-        bound.linear += times(scene, light, 1 - std::sqrt(s2) + std::ldexp(16.0, -24), [&](float n) {
-            return n == 0 ? 0 : n < 1 ? 1 : std::min(1.0, double(n) * moved);
-        });
-    }
-    bound.linear += slack(scene, light);
-    if (!std::isfinite(bound.linear.x + bound.linear.y + bound.linear.z))
-        return none("a light that fades with distance may touch a surface");
+        return notProved("a direction that is not the pixel's own may turn N.L's sign, and with it a highlight comes or goes at once");
+    if (t.numbers != Numbers::fp32) return notProved("a vertex that is off by less may be snapped to the next 1/256 px");
+    if (t.affine) return notProved("linear on the screen may be off by all that an attribute spans over a triangle");
+    if (t.depthBits != 32) return notProved("triangles that fall together tie, and another one may be seen");
+    if (t.subpixelBits != 8) return notProved("a vertex may move by 1/32 px, and its triangle with it");
+    if (t.coarse) return notProved("a pixel may show its neighbour's colour");
+    const bool rough = t.specular == Trade::Specular::schlick, shorter = !t.unitNormals && request.shading == Shading::phong;
+    if (!isLit(request) || (!rough && !shorter)) return boundOfNative(scene, request, shown);
+    if (rough)
+        for (const Material& m : scene.materials)
+            if (std::max({m.specular.x, m.specular.y, m.specular.z}) > 0 && m.shininess > 0 && m.shininess < 1)
+                return notProved("Schlick's quotient has a bound for exponents from 1 up only");
+    ColourBound bound;
+    if (t.nativeEncode && request.encoding == Encoding::srgb) bound.steps = 1;
+    takeMoves(scene, request, shown, bound);
     return bound;
 }
 

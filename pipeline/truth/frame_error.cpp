@@ -54,6 +54,10 @@ double codeOfByte(uint32_t byte, Encoding encoding) {
 
 }  // namespace
 
+bool showsSomething(const Frame& frame, const Truth& truth, size_t at, bool transparent) {
+    return frame.object[at] != kNone || truth.alpha[at] > 0 || truth.object[at] != kNone || (transparent && frame.rgba[at] >> 24 != 0);
+}
+
 FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bool transparent) {
     const size_t pixels = size_t(truth.width) * truth.height;
     PLUMB_ASSERT(frame.width == truth.width && frame.height == truth.height && frame.rgba.size() == pixels &&
@@ -73,10 +77,8 @@ FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bo
     error.unroundedPerPixel.assign(pixels, 0.0f);
     for (size_t at = 0; at < pixels; ++at) {
         const uint32_t word = frame.rgba[at];
-        const bool covered = frame.object[at] != kNone || truth.alpha[at] > 0 || truth.object[at] != kNone ||
-                             (transparent && word >> 24 != 0);
         const bool sameFace = frame.object[at] == truth.object[at] && frame.primitive[at] == truth.primitive[at];
-        if (!covered) continue;
+        if (!showsSomething(frame, truth, at, transparent)) continue;
         ++error.pixels;
         if (!sameFace && error.wrongPrimitive++ == 0)
             error.wrongX = uint32_t(at % truth.width), error.wrongY = uint32_t(at / truth.width);

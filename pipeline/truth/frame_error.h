@@ -33,6 +33,9 @@ struct FrameError {
     std::vector<float> perPixel;  // of `picture`, in shares of full scale (1 = 255 steps), one a pixel
 };
 
+// Whether a pixel counts: the picture or the truth shows something in it.
+bool showsSomething(const Frame& frame, const Truth& truth, size_t at, bool transparent);
+
 // The frame needs kPlaneLinear, kPlaneDepth, kPlaneObject and kPlanePrimitive. Its samples need not be the truth's. A NaN or infinity in a drawn
 // pixel fails before any figure is taken: Error(failed), naming the first place.
 FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bool transparent);

@@ -141,34 +141,47 @@ TEST(BoundOfTrade, FollowsTheDistanceOfALight) {
     EXPECT_LT(far, 5 * farther);
 }
 
-TEST(BoundOfDepth, HoldsInPicturesAndIsReached) {
+// A pixel's move is within what its own cut rays can make of it, in the direction in which rays come or go.
+TEST(BoundOfRays, HoldsInPicturesAndIsReached) {
     double reachedDepth = 0, reachedCutoff = 0;
     for (const auto& row : {std::pair("mirrors", test::mirrors()), std::pair("glass", test::glass()), std::pair("meshes", test::meshesAmongMirrors())}) {
         const char* name = row.first;
         const Scene& scene = row.second;
         RenderRequest base = requestOf(Shading::ray);
         base.planes = kPlaneColour | kPlaneLinear;
+        base.width /= 2;
+        base.height /= 2;
         base.background = *scene.background;
-        base.maxDepth = 6;
+        base.maxDepth = 4;
+        base.minWeight = 0.02f;
         const Frame plain = renderCpu(scene, base).frame;
+        const BoundOfRays bounds(scene, base);
         const auto judge = [&](const RenderRequest& request, double& reached) {
-            const ColourBound bound = boundOfDepth(scene, base, request);
-            ASSERT_TRUE(bound.proved) << name << ": " << bound.why;
-            EXPECT_EQ(bound.steps, 0);
-            const glm::dvec3 off = apart(plain, renderCpu(scene, request).frame);
-            for (int c = 0; c < 3; ++c) {
-                EXPECT_LE(off[c], bound.linear[c]) << name;
-                reached = std::max(reached, off[c] / bound.linear[c]);
+            const BoundOfRays::Moves moves = bounds.of(request);
+            ASSERT_TRUE(moves.proved) << name << ": " << moves.why;
+            const Frame other = renderCpu(scene, request).frame;
+            ASSERT_EQ(moves.brighter.size(), other.linear.size());
+            double off = 0, allowed = 0;
+            size_t beyond = 0;
+            for (size_t i = 0; i < other.linear.size(); ++i) {
+                const double moved = double(other.linear[i]) - double(plain.linear[i]);
+                beyond += !(moved <= double(moves.brighter[i])) || !(-moved <= double(moves.darker[i]));
+                off = std::max(off, std::abs(moved));
+                allowed = std::max({allowed, double(moves.brighter[i]), double(moves.darker[i])});
             }
+            EXPECT_EQ(beyond, 0u) << name << " depth " << request.maxDepth << ", cutoff " << request.minWeight;
+            reached = std::max(reached, off / allowed);
         };
-        for (const uint32_t depth : {1u, 2u, 4u, 9u}) {
+        for (const uint32_t depth : {1u, 2u, 3u, 9u}) {
             RenderRequest request = base;
             request.maxDepth = depth;
             judge(request, reachedDepth);
         }
-        for (const float least : {0.5f, 0.3f, 0.05f, 0.01f, 0.001f}) {
+        for (const float least : {0.5f, 0.3f, 0.05f, 0.01f, 0.0f}) {
             RenderRequest request = base;
             request.minWeight = least;
+            judge(request, reachedCutoff);
+            request.maxDepth = 7;  // more of the one, less of the other
             judge(request, reachedCutoff);
         }
     }
@@ -177,33 +190,41 @@ TEST(BoundOfDepth, HoldsInPicturesAndIsReached) {
     EXPECT_GT(reachedCutoff, 0.1);
 }
 
-// One mirror of 0.7 facing another: a path has one child, and what is cut weighs less than the cutoff.
-TEST(BoundOfDepth, OfPathsIsTheCutoffTimesTheBrightest) {
+// What the deeper picture adds is bounded by what the default cut: next to nothing where the default reaches the end of its rays.
+TEST(BoundOfRays, OfMoreRaysIsWhatTheDefaultCut) {
     const Scene scene = test::mirrors();
     RenderRequest base = requestOf(Shading::ray);
     base.background = *scene.background;
-    base.maxDepth = 64;
+    double before = 1e9;
+    for (const uint32_t depth : {1u, 2u, 4u, 8u, 16u}) {
+        base.maxDepth = depth;
+        RenderRequest request = base;
+        request.maxDepth = 64;
+        const BoundOfRays::Moves moves = BoundOfRays(scene, base).of(request);
+        ASSERT_TRUE(moves.proved);
+        const double most = *std::max_element(moves.brighter.begin(), moves.brighter.end());
+        EXPECT_LT(most, before / 1.4) << "mirrors of at most 0.7, depth " << depth;
+        EXPECT_LT(*std::max_element(moves.darker.begin(), moves.darker.end()), 0x1p-12) << "nothing is taken away";
+        before = most;
+    }
+}
+
+TEST(BoundOfRays, SaysWhatIsNotProved) {
+    const Scene scene = test::mirrors();
+    RenderRequest base = requestOf(Shading::ray);
+    base.background = *scene.background;
     RenderRequest request = base;
-    request.minWeight = 0.01f;
-    const ColourBound bound = boundOfDepth(scene, base, request);
-    // The heaviest weight below 0.01 of 0.3^a 0.7^b is within 0.7 of it.
-    double heaviest = 0;
-    for (int a = 0; a < 64; ++a)
-        for (int b = 0; b < 64; ++b)
-            if (const double w = std::pow(double(0.3f), a) * std::pow(double(0.7f), b); w < 0.01) heaviest = std::max(heaviest, w);
-    // 0.8 of ambient and diffuse, 0.5 of specular, ambient light 0.3 and lamps of 1: white squares are the brightest.
-    const double brightest = 0.8 * 0.3 + 1.0 * (0.8 + 0.5);
-    EXPECT_NEAR(bound.linear.x, heaviest * brightest, 0x1p-10);
-    request.minWeight = base.minWeight;
-    request.maxDepth = 3;
-    EXPECT_NEAR(boundOfDepth(scene, base, request).linear.x, 0.7 * 0.7 * 0.7 * brightest, 0x1p-10);
+    request.maxDepth = 2;
     Scene fading = scene;
     fading.lights[0].attenuation = Attenuation::inverseSquare;
-    EXPECT_TRUE(boundOfDepth(fading, base, request).proved);
+    EXPECT_TRUE(BoundOfRays(fading, base).of(request).proved);
     fading.lights[0].position = fading.spheres[0].centre + glm::dvec3(fading.spheres[0].radius, 0, 0);
-    EXPECT_FALSE(boundOfDepth(fading, base, request).proved) << "a light on a sphere";
-    request.rays.cutLevels = true;
-    EXPECT_FALSE(boundOfDepth(scene, base, request).proved);
+    EXPECT_FALSE(BoundOfRays(fading, base).of(request).proved) << "a light on a sphere";
+    RenderRequest adaptive = base;
+    adaptive.rays.sampling = RayChoices::Sampling::adaptive;
+    EXPECT_FALSE(BoundOfRays(scene, adaptive).of(request).proved);
+    base.rays.cutLevels = true;
+    EXPECT_FALSE(BoundOfRays(scene, base).of(request).proved);
 }
 
 TEST(Rounding, IsWhatFloat32CostsByItself) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -257,6 +258,33 @@ TEST(Measure, ListsWhatTheRendererDoesNotDrawAsAbsent) {
     EXPECT_EQ(absent, 1u);
     plan.base.request.fill = Fill::notes;
     EXPECT_THROW(measure(suzanne(), plan), Error) << "the default picture must be drawn";
+}
+
+// A choice that does more than its proof says ends the measurement with row, pixel and both numbers.
+TEST(Measure, EndsWhereAnErrorIsBeyondItsBound) {
+    MeasurePlan plan = planOf(nullptr);
+    plan.axes = {&axisOf("encode"), &axisOf("specular")};
+    for (const auto& [name, spoil] : {std::pair<std::string, std::function<void(Frame&)>>("encode native", [](Frame& f) { for (uint32_t& word : f.rgba) word ^= 0x20; }),
+                                      {"specular schlick", [](Frame& f) { for (size_t i = 0; i < f.linear.size(); ++i) f.linear[i] += i == 3 * (30 * 96 + 48) ? 0.5f : 0.0f; }}}) {
+        plan.draw = [&](const Scene& scene, const Setting& setting) {
+            RenderResult r = renderCpu(scene, setting.request);
+            const bool mine = name[0] == 'e' ? setting.request.trade.nativeEncode : setting.request.trade.specular == Trade::Specular::schlick;
+            if (mine && !r.frame.linear.empty()) spoil(r.frame);
+            return r;
+        };
+        try {
+            measure(suzanne(), plan);
+            FAIL() << name << " is beyond its bound";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.exit(), Exit::failed);
+            const std::string words = error.what();
+            EXPECT_NE(words.find("'" + name + "' at pixel ("), std::string::npos) << words;
+            EXPECT_NE(words.find("beyond its proved bound"), std::string::npos) << words;
+            if (name[0] == 's') {
+                EXPECT_NE(words.find("(48, 30)"), std::string::npos) << words;
+            }
+        }
+    }
 }
 
 TEST(Measure, RefusesPicturesThatCannotBeTrusted) {
