@@ -4,9 +4,13 @@
 
 #include "pipeline/truth/frame_error.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace plumb {

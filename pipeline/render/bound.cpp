@@ -169,14 +169,30 @@ private:
     //     b - a. Where that is a right angle, (E.L) (s^2 (E.L) - (E.V)) reaches (s^2 + sqrt(1 + s^4)) / 2; where it is more, x_E is negative, counts as 0,
     //     and x' is no more than this allows.
     // x_E is x for a normal that is turned: R turns by twice that at most, so x by 2 sin(turn).
+    // Both hang on x. With g the angle between R and V, V and E enclose a - g to a + g, so x' - x_E is at most (1 - s^2) (s^2 - x + sqrt(1 + s^4 - 2 s^2 x)),
+    // which falls with x, and x_E - x' at most (1 - s^2) (x - s^2 + sqrt(1 + s^4 - 2 s^2 x)), largest at x = 1 / (2 s^2). The power's move is then the largest
+    // of those over intervals of x.
     static double powerBound(const Material& m, double s2, double turned) {
-        if (m.shininess == 0) return 0;  // 1 for both
-        if (m.shininess < 1) return 1;
+        const auto n = double(m.shininess);
+        if (n == 0) return 0;  // 1 for both
+        if (n < 1) return 1;
         const double below = s2 >= 0.5 ? (1 - s2) / (2 * s2) : 2 * (1 - s2) * (1 - s2);
         const double above = (1 - s2) * (s2 + std::sqrt(1 + s2 * s2));
-        const double x = std::min(1.0, std::max(below, above) + 2 * turned + std::ldexp(64.0, -24));
-        return std::min(1.0, 1 - std::pow(1 - x, double(m.shininess)) + kLeastPower);
+        const double error = 2 * turned + std::ldexp(64.0, -24), x = std::min(1.0, std::max(below, above) + error);
+        const double anywhere = std::min(1.0, 1 - std::pow(1 - x, n) + kLeastPower);
+        if (anywhere < 2.0 / kIntervals) return anywhere;  // narrower than the intervals
+        const auto root = [&](double at) { return std::sqrt(std::max(0.0, 1 + s2 * s2 - 2 * s2 * at)); };
+        double worst = 0, first = 0;
+        for (int k = 1; k <= kIntervals; ++k) {  // of equal length in x^n
+            const double last = std::pow(double(k) / kIntervals, 1 / n), low = std::max(0.0, first - error), high = std::min(1.0, last + error);
+            const double steepest = s2 > 0 ? std::clamp(1 / (2 * s2), low, high) : high;
+            const double rise = (1 - s2) * std::max(0.0, s2 - low + root(low)), fall = (1 - s2) * std::max(0.0, steepest - s2 + root(steepest));
+            worst = std::max({worst, std::pow(std::min(1.0, high + rise), n) - double(k - 1) / kIntervals, double(k) / kIntervals - std::pow(std::max(0.0, low - fall), n)});
+            first = last;
+        }
+        return std::min(anywhere, worst + kLeastPower);
     }
+    static constexpr int kIntervals = 32;
     // x^n begins at x = 2^-20 (specularPower), and its two evaluations are off by 3 2^-23 each.
     static constexpr double kLeastPower = 0x1p-19;
 

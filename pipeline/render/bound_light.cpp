@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
 
 namespace plumb {
 

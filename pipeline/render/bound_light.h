@@ -4,6 +4,7 @@
 
 #include "pipeline/render/render.h"
 
+#include <glm/glm.hpp>
 #include <limits>
 #include <vector>
 

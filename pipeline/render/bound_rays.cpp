@@ -6,7 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace plumb {
 

@@ -6,7 +6,11 @@
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <limits>
+#include <optional>
+#include <vector>
 
 namespace plumb {
 namespace {

@@ -8,10 +8,12 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace plumb {
