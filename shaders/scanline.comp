@@ -20,29 +20,27 @@ void main() {
     uint next = p.firstEdge + 2u;
     ScanEdge i = edges[p.firstEdge];
     ScanEdge j = edges[p.firstEdge + 1u];
-    ScanWalk stepI = scanStep(corners[i.top], corners[i.bottom]);
-    ScanWalk stepJ = scanStep(corners[j.top], corners[j.bottom]);
-    ScanWalk walkI = scanStart(corners[i.top]);
-    ScanWalk walkJ = scanStart(corners[j.top]);
-    int lastLine = p.firstLine + p.lineCount - 1;
+    ScanSlope slopeI = scanSlope(corners[i.top], corners[i.bottom]);
+    ScanSlope slopeJ = scanSlope(corners[j.top], corners[j.bottom]);
+    ScanWalk walkI = scanStart(i);
+    ScanWalk walkJ = scanStart(j);
     int lines = mine ? min(p.lineCount, kScanLimit) : 0;
     for (int line = 0; line < lines; ++line) {
         int y = p.firstLine + line;
-        int stored = y - p.firstStored;
-        if (stored >= 0 && stored < p.storedCount) spans[p.firstSpan + uint(stored)] = scanSpan(walkI, walkJ);
-        walkI = scanNext(walkI, stepI);
-        walkJ = scanNext(walkJ, stepJ);
-        if (scanEdgeEnds(y, lastLine, corners[i.bottom].y)) {
+        spans[p.firstSpan + uint(line)] = scanSpan(walkI, i.height, scanOnLine(slopeI, y), walkJ, j.height, scanOnLine(slopeJ, y));
+        walkI = scanNext(walkI, i);
+        walkJ = scanNext(walkJ, j);
+        if (scanEdgeEnds(y, p.lastLine, corners[i.bottom].y)) {
             i = edges[min(next, lastEdge)];
             next++;
-            stepI = scanStep(corners[i.top], corners[i.bottom]);
-            walkI = scanNext(scanStart(corners[i.top]), stepI);
+            slopeI = scanSlope(corners[i.top], corners[i.bottom]);
+            walkI = scanStart(i);
         }
-        if (scanEdgeEnds(y, lastLine, corners[j.bottom].y)) {
+        if (scanEdgeEnds(y, p.lastLine, corners[j.bottom].y)) {
             j = edges[min(next, lastEdge)];
             next++;
-            stepJ = scanStep(corners[j.top], corners[j.bottom]);
-            walkJ = scanNext(scanStart(corners[j.top]), stepJ);
+            slopeJ = scanSlope(corners[j.top], corners[j.bottom]);
+            walkJ = scanStart(j);
         }
     }
     finish(push.statusSlot, mine && p.lineCount > kScanLimit ? kFaultLoop : 0u);

@@ -21,24 +21,23 @@ void main() {
     int budget = kScanLimit;
     for (uint n = 0u; n < count && budget > 0; ++n) {
         ScanPolygon p = polygons[push.firstPolygon + n];
-        int stored = row - p.firstStored;
-        bool here = stored >= 0 && stored < p.storedCount;
+        int line = row - p.firstLine;
+        bool here = line >= 0 && line < p.lineCount;
         budget--;
         if (here) {
-            ScanSpan s = spans[p.firstSpan + uint(stored)];
-            ScanWalk w = scanLeft(s);
-            ScanWalk across = scanAcross(s);
-            while (scanWithin(w.x, s.rightX) && budget > 0) {
-                int column = scanColumn(w.x);
-                uint pixel = uint(row) * uint(push.width) + uint(column);
-                if (scanOnCanvas(column, push.width)) {
-                    if (scanTakes(w.z, depths[pixel], push.zBuffer)) {
-                        depths[pixel] = w.z;
-                        owners[pixel] = push.firstPolygon + n;
-                        carried[pixel] = w.carried;
-                    }
+            ScanSpan s = spans[p.firstSpan + uint(line)];
+            ScanAcross across = scanAcross(s);
+            int last = scanLastStep(s, p);
+            int steps = scanFirstStep(s, p);
+            while (steps <= last && budget > 0) {
+                ScanValues v = scanPixel(across, steps);
+                uint pixel = uint(row) * uint(push.width) + uint(scanColumn(s, steps));
+                if (scanTakes(v.z, depths[pixel], push.zBuffer)) {
+                    depths[pixel] = v.z;
+                    owners[pixel] = push.firstPolygon + n;
+                    carried[pixel] = v.carried;
                 }
-                w = scanNext(w, across);
+                steps++;
                 budget--;
             }
         }

@@ -21,8 +21,9 @@ struct ScanList {
     uint64_t spans = 0;  // lines of all polygons within the canvas
     bool zBuffer = true;  // false: what is painted later is seen
 
-    // A convex polygon, corners in either sense around it, x and y whole. Its table is made here; one that is less than a line
-    // high has none and is not painted. False: nothing to paint. Throws Error(input) for one beyond kScanLimit.
+    // A convex polygon, corners in either sense around it, none beyond kScanFarthestPixel. Its table is made here; one that is less than
+    // a line high has none and is not painted. Only lines and columns of the canvas are walked; their X is that of the whole polygon. More
+    // than kScanBlock of them make several entries of `polygons`. False: nothing to paint. Throws Error(input) for more than 2^31 lines.
     bool add(std::span<const gpu::ScanCorner> polygon);
 };
 
@@ -33,8 +34,10 @@ struct ScanCanvas {
     std::vector<glm::vec3> carried;
 };
 
-// The twin paints polygon by polygon, as the notes do. `spans`: the lines too, in the order of the device's; or null.
-ScanCanvas scanlineCpu(const ScanList& list, std::vector<gpu::ScanSpan>* spans);
+// The twin paints polygon by polygon, as the notes do.
+ScanCanvas scanlineCpu(const ScanList& list);
+// Lines in the order of the device's.
+std::vector<gpu::ScanSpan> scanSpansCpu(const ScanList& list);
 
 // Polygons [first, end) that one dispatch of the second kernel may paint within its loop budget.
 uint32_t scanSliceEnd(const ScanList& list, uint32_t first);

@@ -53,13 +53,13 @@ bool isConvex(std::span<const gpu::ScanCorner> polygon) {
     int turn = 0, changes = 0, direction = 0;
     for (size_t i = 0; i < n; ++i) {
         const gpu::ScanCorner &a = polygon[i], &b = polygon[(i + 1) % n], &c = polygon[(i + 2) % n];
-        const double cross = (double(b.x) - a.x) * (double(c.y) - b.y) - (double(b.y) - a.y) * (double(c.x) - b.x);
+        const int64_t cross = int64_t(b.x - a.x) * (c.y - b.y) - int64_t(b.y - a.y) * (c.x - b.x);
         const int sign = cross > 0 ? 1 : cross < 0 ? -1 : 0;
         if (sign != 0 && turn != 0 && sign != turn) return false;
         if (sign != 0) turn = sign;
     }
     for (size_t i = 0; i < 2 * n; ++i) {  // twice around, so that the first direction is known on the second
-        const float rise = polygon[(i + 1) % n].y - polygon[i % n].y;
+        const int rise = polygon[(i + 1) % n].y - polygon[i % n].y;
         const int now = rise > 0 ? 1 : rise < 0 ? -1 : 0;
         if (now == 0) continue;
         if (i >= n && now != direction) ++changes;
@@ -86,13 +86,13 @@ public:
         distance_ = c.focusDistance;
         near_ = double(p_.near);
         unit_ = double(p_.list.viewport.near) / near_;  // the passes' length of a scene unit, a power of two
+        zUnit_ = std::exp2(-std::ilogb(distance_));
         list_.zBuffer = scene.zBuffer;
     }
 
     void draw() {
         for (uint32_t r = 0; r < p_.list.ranges.size(); ++r) addObject(r);
         const ScanCanvas canvas = side_.paint(list_);
-        result_.counters.drawnTriangles = list_.polygons.size();
         finish(canvas);
     }
 
@@ -103,7 +103,8 @@ private:
     }
     // Zps = d Z / (d + Z) with Z = w - d: 0 at distance d, d at infinity.
     double zpsOf(double w) const { return distance_ * (w - distance_) / w; }
-    double depthOf(float zps) const { return distance_ * distance_ / (distance_ - double(zps)); }
+    // Of a pixel's Z, which is Zps in the fill's unit.
+    double depthOf(float z) const { return distance_ * distance_ / (distance_ - double(z) / zUnit_); }
 
     // A distant viewer is in the same direction from every polygon (section 3), so that no corner matters.
     bool visible(const Newell& n, const dvec3& corner, bool mirrored) const {
@@ -237,16 +238,46 @@ private:
         return kept;
     }
 
-    // To pixels, rounded half to even and kept real; Z is not rounded (14.2).
-    std::vector<gpu::ScanCorner> display(const std::vector<Corner>& polygon) const {
-        constexpr double kFar = 0x1p40;  // what is further off is refused or off the canvas anyway
-        std::vector<gpu::ScanCorner> corners;
-        for (const Corner& c : inFront(polygon)) {
-            const double x = std::nearbyint(double(list_.width) / 2 + focal_ * c.view.x / c.view.z),
-                         y = std::nearbyint(double(list_.height) / 2 + focal_ * c.view.y / c.view.z);
-            corners.push_back({float(std::clamp(x, -kFar, kFar)), float(std::clamp(y, -kFar, kFar)),
-                               float(zpsOf(c.view.z)), c.carried});
+    // A corner on the screen before it is rounded.
+    struct Projected {
+        double x, y, z;
+        dvec3 carried;
+    };
+    // Sutherland and Hodgman on the screen, where Z and what is carried are linear: +-x or +-y at most the farthest pixel.
+    static std::vector<Projected> withinReach(std::vector<Projected> polygon) {
+        constexpr double kReach = gpu::kScanFarthestPixel;
+        for (const auto& [axis, sign] : {std::pair(&Projected::x, 1.0), {&Projected::x, -1.0}, {&Projected::y, 1.0}, {&Projected::y, -1.0}}) {
+            std::vector<Projected> kept;
+            for (size_t i = 0; i < polygon.size(); ++i) {
+                const Projected &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+                const bool aIsIn = sign * a.*axis <= kReach, bIsIn = sign * b.*axis <= kReach;
+                if (aIsIn) kept.push_back(a);
+                if (aIsIn == bIsIn) continue;
+                const Projected &in = aIsIn ? a : b, &out = aIsIn ? b : a;
+                const double t = (sign * kReach - in.*axis) / (out.*axis - in.*axis);
+                Projected cut{in.x + (out.x - in.x) * t, in.y + (out.y - in.y) * t, in.z + (out.z - in.z) * t,
+                              in.carried + (out.carried - in.carried) * t};
+                cut.*axis = sign * kReach;
+                kept.push_back(cut);
+            }
+            polygon = std::move(kept);
         }
+        return polygon;
+    }
+
+    // To pixels, rounded half to even; Z is not rounded (14.2).
+    std::vector<gpu::ScanCorner> display(const std::vector<Corner>& polygon) const {
+        constexpr double kBeyond = 0x1p200;  // differences and products of two stay finite
+        constexpr double kNearest = 0x1p100;  // Zps grows beyond every bound toward the viewer; steps and products of it stay finite
+        std::vector<Projected> projected;
+        for (const Corner& c : inFront(polygon)) {
+            const double x = double(list_.width) / 2 + focal_ * c.view.x / c.view.z,
+                         y = double(list_.height) / 2 + focal_ * c.view.y / c.view.z;
+            projected.push_back({std::clamp(x, -kBeyond, kBeyond), std::clamp(y, -kBeyond, kBeyond), zpsOf(c.view.z), dvec3(c.carried)});
+        }
+        std::vector<gpu::ScanCorner> corners;
+        for (const Projected& c : withinReach(std::move(projected)))
+            corners.push_back({int(std::nearbyint(c.x)), int(std::nearbyint(c.y)), float(std::max(c.z * zUnit_, -kNearest)), glm::vec3(c.carried)});
         return corners;
     }
 
@@ -262,7 +293,9 @@ private:
         for (size_t i = 1; i + 1 < corners.size(); ++i) add(std::array{corners[0], corners[i], corners[i + 1]}, from);
     }
     void add(std::span<const gpu::ScanCorner> corners, const NotesPolygon& from) {
-        if (list_.add(corners)) from_.push_back(from);
+        if (!list_.add(corners)) return;
+        ++result_.counters.drawnTriangles;
+        from_.resize(list_.polygons.size(), from);  // a large one has several entries
     }
 
     void finish(const ScanCanvas& canvas) {
@@ -372,6 +405,7 @@ private:
     RenderResult& result_;
     dvec3 right_, down_, forward_, eye_;
     double focal_ = 0, distance_ = 0, near_ = 0, unit_ = 1;
+    double zUnit_ = 1;  // power of two that brings the viewer's distance to [1, 2): the fill's Z keeps clear of float32's ends
     ScanList list_;
     std::vector<NotesPolygon> from_;
 };
@@ -405,7 +439,7 @@ public:
     }
     ScanCanvas paint(const ScanList& list) override {
         const Stopwatch watch(&result_.times, "scanline");
-        return scanlineCpu(list, nullptr);
+        return scanlineCpu(list);
     }
 
 private:

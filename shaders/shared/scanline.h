@@ -1,49 +1,82 @@
 // SPDX-License-Identifier: MIT
 // Contract of the scanline pass: the polygon fill with Z-buffer of the lecture notes (sections 13 and 14, attributes as in 17),
-// their errata A4 to A8 and A10 corrected, A9 kept: both ends of a line and both ends of an edge are painted.
+// their errata A4 to A8 and A10 corrected, A9 kept: both ends of an edge are painted, and the last step of a line that does not
+// pass its right end.
 //
-// Corners are display coordinates rounded to whole pixels, kept real. A polygon's edges stand in its table with the smaller y
-// first, without horizontal ones, sorted by y. Two edges are active; each line adds the edges' steps (X, Z and what is carried),
-// left and right are decided anew on every line, and an edge that ends is replaced by the next of the table, which starts one step
-// below its corner, because the corner's line is painted already (A4, A5). Across a line X runs leftX, leftX + 1, ... <= rightX and
-// paints column floor(X + 1/2) of colour and depth alike (A8). A pixel is taken when its Z is less than the stored one: the
-// smaller Z is nearer, equal Z keeps the first polygon. Without a Z-buffer (section 13) every pixel is taken, by one polygon after the other.
+// Corners are display coordinates rounded to whole pixels. A polygon's edges stand in its table with the smaller y first, without
+// horizontal ones, sorted by y. Two edges are active; each line adds the edges' dX, left and right are decided anew on every line,
+// and an edge that ends is replaced by the next of the table, which starts one step below its corner, because the corner's line is
+// painted already (A4, A5). Across a line X runs leftX, leftX + 1, ... <= rightX and paints column floor(X + 1/2) of colour and depth
+// alike (A8). A pixel is taken when its Z is less than the stored one: the smaller Z is nearer, equal Z keeps the first polygon.
+// Without a Z-buffer (section 13) every pixel is taken, by one polygon after the other.
+//
+// X is exact: an edge's X is a whole column and a rest over the edge's height, so columns of a line are whole numbers and no sum of
+// rounded steps decides them. Z and what else is carried are counted in whole lines and columns from the farther end and rounded once
+// (scanAlong): the nearer end of a polygon that is cut at the near plane may be a million times as large.
 #ifndef PLUMB_SCANLINE_H
 #define PLUMB_SCANLINE_H
 #include "exact.h"
 SHARED_BEGIN
 
-// Lines of a polygon and columns of a line, canvas or not: an invocation may loop 65,535 times in all.
+// Rounds of an invocation's loops: lavapipe ends them after 65,535. A polygon of more lines or columns is cut into blocks.
 SHARED_CONST int kScanLimit = 60000;
+SHARED_CONST int kScanBlock = 30000;
+SHARED_CONST int kScanFarthestPixel = 536870912;  // 2^29, of a corner: 2 height and every product of two heights stay in range
 SHARED_CONST uint kNoPolygon = 0xffffffffu;
 SHARED_CONST float kScanFarthest = 3.0e38f;  // beyond every Z
 
 struct ScanCorner {
-    float x, y;    // display, whole pixels
+    int x, y;      // display, whole pixels
     float z;       // Zps: grows with the distance
     vec3 carried;  // linear colour, or normal
 };
 
+// X of an edge is column + rest / height, 0 <= rest < height.
 struct ScanEdge {
-    uint top, bottom;  // corners; y of top < y of bottom
+    uint top, bottom;     // corners; y of top < y of bottom
+    int column;           // X on the first line of the block that the edge is active on
+    uint rest;
+    int columnStep;       // dX
+    uint restStep;
+    uint height;          // lines from top to bottom
 };
 
+// A polygon, or a block of a large one.
 struct ScanPolygon {
-    uint firstEdge, edgeCount;  // sorted by y of the top corner; at least two
-    int firstLine, lineCount;
-    uint firstSpan;                // of the lines within the canvas
-    int firstStored, storedCount;  // those lines
+    uint firstEdge, edgeCount;       // first the two that are active on the first line, then those that follow, by y of their top
+    int firstLine, lineCount;        // of the block, within the canvas
+    int lastLine;                    // of the polygon
+    int firstColumn, columnCount;    // of the block, within the canvas
+    uint firstSpan;
 };
 
-// An active edge on a line, or its step to the next line.
 struct ScanWalk {
-    float x, z;
+    int column;
+    uint rest;
+};
+
+struct ScanValues {
+    float z;
     vec3 carried;
 };
 
+// Values along an edge: `from` on the line of its farther corner, `step` more a line, `to` at its nearer corner.
+struct ScanSlope {
+    int fromLine, toLine;
+    ScanValues from, step, to;
+};
+
 struct ScanSpan {
-    float leftX, rightX, leftZ, rightZ;
-    vec3 left, right;
+    int first;          // column of the left end: floor(leftX + 1/2)
+    int more;           // columns after it: floor(rightX - leftX)
+    float leftX, wide;  // rightX = leftX + wide
+    ScanValues left, right;
+};
+
+// Values across a line: `from` at X = leftX - offset, `step` more a column, `to` at X = leftX + toSteps.
+struct ScanAcross {
+    float offset, toSteps;
+    ScanValues from, step, to;
 };
 
 struct ScanPush {
@@ -53,82 +86,144 @@ struct ScanPush {
     uint zBuffer;                     // 0: section 13's fill without one, what is painted later is seen
 };
 
-// a / b for b >= 1. What is too small for the emulated division is 0.
-SHARED_FN float scanQuotient(float a, float b) { return exactDivide(snapTiny(a), b); }
+// What is smaller than 2^-75 is 0: quotients stay in the range of the emulated division, and each product below is a multiple of 2^-122.
+SHARED_FN float scanSnap(float x) {
+    int bits = bitsOf(x);
+    return realOf(pick((bits & 0x7fffffff) < 0x1a000000, 0, bits));
+}
+SHARED_FN float scanQuotient(float a, float b) { return scanSnap(exactDivide(scanSnap(a), b)); }
 
-SHARED_FN ScanWalk scanDifference(ScanWalk to, ScanWalk from, float steps) {
-    ScanWalk d;
-    d.x = scanQuotient(to.x - from.x, steps);
+// base + steps * step with one rounding, but for 2^-33 of the larger summand: the rounding errors of product (Dekker) and sum (Knuth) are
+// computed and added last.
+SHARED_FN float scanUpperHalf(float x) { return realOf(bitsOf(x) & -4096); }
+SHARED_FN float scanAlong(float base, float steps, float step) {
+    float stepsHigh = scanUpperHalf(steps);
+    float stepsLow = steps - stepsHigh;
+    float stepHigh = scanUpperHalf(step);
+    float stepLow = step - stepHigh;
+    float product = steps * step;
+    float productError = (((stepsHigh * stepHigh - product) + stepsHigh * stepLow) + stepsLow * stepHigh) + stepsLow * stepLow;
+    float sum = base + product;
+    float added = sum - base;
+    float sumError = (base - (sum - added)) + (product - added);
+    return sum + (sumError + productError);
+}
+SHARED_FN ScanValues scanMoved(ScanValues from, float steps, ScanValues step) {
+    ScanValues v;
+    v.z = scanAlong(from.z, steps, step.z);
+    v.carried.x = scanAlong(from.carried.x, steps, step.carried.x);
+    v.carried.y = scanAlong(from.carried.y, steps, step.carried.y);
+    v.carried.z = scanAlong(from.carried.z, steps, step.carried.z);
+    return v;
+}
+SHARED_FN ScanValues scanStep(ScanValues from, ScanValues to, float steps) {
+    ScanValues d;
     d.z = scanQuotient(to.z - from.z, steps);
     d.carried.x = scanQuotient(to.carried.x - from.carried.x, steps);
     d.carried.y = scanQuotient(to.carried.y - from.carried.y, steps);
     d.carried.z = scanQuotient(to.carried.z - from.carried.z, steps);
     return d;
 }
+SHARED_FN ScanValues scanChosen(bool first, ScanValues a, ScanValues b) {
+    ScanValues v;
+    v.z = pick(first, a.z, b.z);
+    v.carried.x = pick(first, a.carried.x, b.carried.x);
+    v.carried.y = pick(first, a.carried.y, b.carried.y);
+    v.carried.z = pick(first, a.carried.z, b.carried.z);
+    return v;
+}
+SHARED_FN ScanValues scanAtCorner(ScanCorner c) {
+    ScanValues v;
+    v.z = c.z;
+    v.carried = c.carried;
+    return v;
+}
 
-SHARED_FN ScanWalk scanStart(ScanCorner c) {
+SHARED_FN ScanSlope scanSlope(ScanCorner top, ScanCorner bottom) {
+    bool topIsFar = top.z >= bottom.z;
+    ScanSlope s;
+    s.fromLine = pick(topIsFar, top.y, bottom.y);
+    s.toLine = pick(topIsFar, bottom.y, top.y);
+    s.from = scanChosen(topIsFar, scanAtCorner(top), scanAtCorner(bottom));
+    s.to = scanChosen(topIsFar, scanAtCorner(bottom), scanAtCorner(top));
+    s.step = scanStep(scanAtCorner(top), scanAtCorner(bottom), toReal(bottom.y - top.y));
+    return s;
+}
+// Each corner's line has the corner's own values, so that edges meet in one point.
+SHARED_FN ScanValues scanOnLine(ScanSlope s, int y) { return scanChosen(y == s.toLine, s.to, scanMoved(s.from, toReal(y - s.fromLine), s.step)); }
+
+SHARED_FN ScanWalk scanStart(ScanEdge e) {
     ScanWalk w;
-    w.x = c.x;
-    w.z = c.z;
-    w.carried = c.carried;
+    w.column = e.column;
+    w.rest = e.rest;
     return w;
 }
-SHARED_FN ScanWalk scanStep(ScanCorner top, ScanCorner bottom) {
-    return scanDifference(scanStart(bottom), scanStart(top), bottom.y - top.y);
-}
-SHARED_FN ScanWalk scanNext(ScanWalk w, ScanWalk stepped) {
-    w.x = w.x + stepped.x;
-    w.z = w.z + stepped.z;
-    w.carried.x = w.carried.x + stepped.carried.x;
-    w.carried.y = w.carried.y + stepped.carried.y;
-    w.carried.z = w.carried.z + stepped.carried.z;
+SHARED_FN ScanWalk scanNext(ScanWalk w, ScanEdge e) {
+    uint rest = w.rest + e.restStep;
+    bool carry = rest >= e.height;
+    w.column = w.column + e.columnStep + pick(carry, 1, 0);
+    w.rest = rest - pick(carry, e.height, 0u);
     return w;
 }
 
 // After the line y an edge to `bottomY` gives way, unless the polygon ends there.
-SHARED_FN bool scanEdgeEnds(int y, int lastLine, float bottomY) { return float(y) >= bottomY && y < lastLine; }
+SHARED_FN bool scanEdgeEnds(int y, int lastLine, int bottomY) { return y >= bottomY && y < lastLine; }
 
-SHARED_FN ScanSpan scanSpan(ScanWalk i, ScanWalk j) {
-    bool iIsLeft = i.x < j.x;
+// True when restA / heightA < restB / heightB.
+SHARED_FN bool scanIsLess(uint restA, uint heightA, uint restB, uint heightB) {
+    int highA, highB;
+    uint lowA, lowB;
+    multiplyLong(int(restA), int(heightB), highA, lowA);
+    multiplyLong(int(restB), int(heightA), highB, lowB);
+    return highA < highB || (highA == highB && lowA < lowB);
+}
+// rest / height in whole 2^-24.
+SHARED_FN float scanFraction(uint rest, uint height) {
+    return floorReal(exactDivide(toReal(int(rest)), toReal(int(height))) * 16777216.0f) * 5.9604644775390625e-8f;
+}
+
+SHARED_FN ScanSpan scanSpan(ScanWalk i, uint heightI, ScanValues valuesI, ScanWalk j, uint heightJ, ScanValues valuesJ) {
+    bool iIsLeft = i.column < j.column || (i.column == j.column && scanIsLess(i.rest, heightI, j.rest, heightJ));
+    int leftColumn = pick(iIsLeft, i.column, j.column);
+    int rightColumn = pick(iIsLeft, j.column, i.column);
+    uint leftRest = pick(iIsLeft, i.rest, j.rest);
+    uint rightRest = pick(iIsLeft, j.rest, i.rest);
+    uint leftHeight = pick(iIsLeft, heightI, heightJ);
+    uint rightHeight = pick(iIsLeft, heightJ, heightI);
+    float leftFraction = scanFraction(leftRest, leftHeight);
     ScanSpan s;
-    s.leftX = pick(iIsLeft, i.x, j.x);
-    s.rightX = pick(iIsLeft, j.x, i.x);
-    s.leftZ = pick(iIsLeft, i.z, j.z);
-    s.rightZ = pick(iIsLeft, j.z, i.z);
-    s.left.x = pick(iIsLeft, i.carried.x, j.carried.x);
-    s.left.y = pick(iIsLeft, i.carried.y, j.carried.y);
-    s.left.z = pick(iIsLeft, i.carried.z, j.carried.z);
-    s.right.x = pick(iIsLeft, j.carried.x, i.carried.x);
-    s.right.y = pick(iIsLeft, j.carried.y, i.carried.y);
-    s.right.z = pick(iIsLeft, j.carried.z, i.carried.z);
+    s.first = leftColumn + pick(2u * leftRest >= leftHeight, 1, 0);
+    s.more = rightColumn - leftColumn - pick(scanIsLess(rightRest, rightHeight, leftRest, leftHeight), 1, 0);
+    s.leftX = toReal(leftColumn) + leftFraction;
+    s.wide = toReal(rightColumn - leftColumn) + (scanFraction(rightRest, rightHeight) - leftFraction);
+    s.left = scanChosen(iIsLeft, valuesI, valuesJ);
+    s.right = scanChosen(iIsLeft, valuesJ, valuesI);
     return s;
 }
 
-SHARED_FN ScanWalk scanLeft(ScanSpan s) {
-    ScanWalk w;
-    w.x = s.leftX;
-    w.z = s.leftZ;
-    w.carried = s.left;
-    return w;
+// The divisor is the difference of X (A7). A line of one pixel has the left end's values.
+SHARED_FN ScanAcross scanAcross(ScanSpan s) {
+    bool several = s.more > 0;
+    bool fromRight = s.right.z > s.left.z;
+    ScanAcross a;
+    a.offset = pick(fromRight, -s.wide, 0.0f);
+    a.toSteps = pick(fromRight, 0.0f, pick(several, s.wide, -1.0f));
+    a.from = scanChosen(fromRight, s.right, s.left);
+    a.to = scanChosen(fromRight, s.left, s.right);
+    // no plant: without a second pixel no step is taken; the choice keeps the division in its range
+    a.step = scanStep(s.left, s.right, pick(several, s.wide, 1.0f));
+    return a;
 }
 
-// Step from pixel to pixel. The divisor is the difference of X (A7); below 1 the line is one pixel and no step is taken.
-SHARED_FN ScanWalk scanAcross(ScanSpan s) {
-    ScanWalk right;
-    right.x = s.rightX;
-    right.z = s.rightZ;
-    right.carried = s.right;
-    float wide = s.rightX - s.leftX;
-    bool several = wide >= 1.0f;  // no plant: at 1 both choices are 1
-    // no plant: a step below one pixel is not taken; the choice keeps the division in its range
-    ScanWalk d = scanDifference(right, scanLeft(s), pick(several, wide, 1.0f));
-    d.x = 1.0f;
-    return d;
+// Steps of a line that paint columns of the block: first to last, none when first > last.
+SHARED_FN int scanFirstStep(ScanSpan s, ScanPolygon p) { return max(0, p.firstColumn - s.first); }
+SHARED_FN int scanLastStep(ScanSpan s, ScanPolygon p) { return min(s.more, p.firstColumn + p.columnCount - 1 - s.first); }
+SHARED_FN int scanColumn(ScanSpan s, int steps) { return s.first + steps; }
+// A pixel on an end of the line has the end's own values, so that polygons beside each other are equal there.
+SHARED_FN ScanValues scanPixel(ScanAcross a, int steps) {
+    float x = toReal(steps);
+    return scanChosen(x == a.toSteps, a.to, scanMoved(a.from, x + a.offset, a.step));
 }
-
-SHARED_FN bool scanWithin(float x, float rightX) { return x <= rightX; }
-SHARED_FN int scanColumn(float x) { return toInt(floorReal(x + 0.5f)); }
-SHARED_FN bool scanOnCanvas(int column, int width) { return column >= 0 && column < width; }
 SHARED_FN bool scanTakes(float z, float stored, uint zBuffer) { return z < stored || zBuffer == 0u; }
 
 SHARED_END

@@ -7,12 +7,14 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/twin/scanline_support.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <glm/glm.hpp>
+#include <iterator>
 #include <set>
 #include <string>
 #include <vector>
@@ -27,8 +29,10 @@ bool within(double got, const Json& want) {
 }
 
 gpu::ScanCorner cornerOf(const Json& v) {
-    return {v[0].get<float>(), v[1].get<float>(), v.size() > 2 ? float(v[2].get<double>()) : 0.0f, {}};
+    return {int(v[0].get<double>()), int(v[1].get<double>()), v.size() > 2 ? float(v[2].get<double>()) : 0.0f, {}};
 }
+
+double rightX(const gpu::ScanSpan& s) { return double(s.leftX) + double(s.wide); }
 
 // One polygon by both sides: lines and pixels.
 struct Filled {
@@ -80,9 +84,9 @@ TEST(GoldenFill, TheFrontOfThePyramidHasTheRowsOf14) {
     for (size_t i = 0; i < f.lines.size(); ++i) {
         const Json& row = rows.data("rows")[i];
         EXPECT_TRUE(within(f.lines[i].leftX, row[1])) << row << f.lines[i].leftX;
-        EXPECT_TRUE(within(f.lines[i].rightX, row[2])) << row << f.lines[i].rightX;
-        EXPECT_TRUE(within(f.lines[i].leftZ, row[3])) << row << f.lines[i].leftZ;
-        EXPECT_TRUE(within(f.lines[i].rightZ, row[4])) << row << f.lines[i].rightZ;
+        EXPECT_TRUE(within(rightX(f.lines[i]), row[2])) << row << rightX(f.lines[i]);
+        EXPECT_TRUE(within(f.lines[i].left.z, row[3])) << row << f.lines[i].left.z;
+        EXPECT_TRUE(within(f.lines[i].right.z, row[4])) << row << f.lines[i].right.z;
         const size_t painted = columnsOf(f.canvas, 400, row[0].get<int>()).size();
         EXPECT_EQ(painted, row[6].get<size_t>()) << row;
         pixels += painted;
@@ -110,8 +114,8 @@ TEST(GoldenFill, Polygon0CarriesIntensitiesAndNormalsAsIn17) {
         for (const Json& row : lines.data("corrected_switch")) {
             const int y = row["y"].get<int>();
             const gpu::ScanSpan& s = f.lines.at(size_t(y - first));
-            EXPECT_TRUE(within(s.leftX, row["left"]["X"]) && within(s.rightX, row["right"]["X"])) << row;
-            EXPECT_TRUE(within(s.leftZ, row["left"]["Z"]) && within(s.rightZ, row["right"]["Z"])) << row;
+            EXPECT_TRUE(within(s.leftX, row["left"]["X"]) && within(rightX(s), row["right"]["X"])) << row;
+            EXPECT_TRUE(within(s.left.z, row["left"]["Z"]) && within(s.right.z, row["right"]["Z"])) << row;
             const std::vector<uint32_t> columns = columnsOf(f.canvas, 400, y);
             EXPECT_EQ(columns.size(), row["pixel_count"].get<size_t>()) << "line " << y;
             for (const Json& pixel : row["pixels"]) {
@@ -201,24 +205,26 @@ TEST(GoldenFill, ThePyramidShowsThreeOfFive) {
     EXPECT_EQ(result.counters.culledBackFace, 0u);
 }
 
-// A scene of the plane: points (x, y) at Z = 0, where the notes' viewer changes nothing.
-RenderResult plane(const std::string& faces) {
+// A scene of the notes' fill by both sides: equal planes.
+RenderResult drawnByBoth(const std::string& text) {
     const test::TemporaryFolder folder;
-    const std::string head =
-        "handedness = \"left\"\nsize = [40, 40]\nshading = \"unlit\"\nfill = \"notes\"\ncull = "
-        "false\n[camera]\ndistance = 100\n";
-    std::ofstream(folder.path() / "plane.toml") << head
-                                                << "[[mesh]]\nname = \"m\"\nvertices = [[-10, -10], [10, -10], [10, "
-                                                   "0], [0, 0], [0, 10], [-10, 10], [10, 10]]\nfaces = ["
-                                                << faces << "]\n";
-    Scene scene = loadScene({folder.path() / "plane.toml"}, {});
+    std::ofstream(folder.path() / "notes.toml") << "handedness = \"left\"\nshading = \"unlit\"\nfill = \"notes\"\ncull = false\n" << text;
+    Scene scene = loadScene({folder.path() / "notes.toml"}, {});
     completeScene(scene, scene.size, "", false);
-    RenderRequest r = request(Shading::unlit);
-    r.width = r.height = 40;
     EXPECT_EQ(scene.fill, Fill::notes);
+    RenderRequest r = request(Shading::unlit);
+    r.width = scene.size.x;
+    r.height = scene.size.y;
+    r.planes = kEveryPlane;
     RenderResult twin = renderCpu(scene, r);
     expectSameFrame(twin.frame, renderGpu(*DeviceEnvironment::device(), scene, r).frame);
     return twin;
+}
+// Points (x, y) at Z = 0, where the notes' viewer changes nothing.
+RenderResult plane(const std::string& faces) {
+    return drawnByBoth(
+        "size = [40, 40]\n[camera]\ndistance = 100\n[[mesh]]\nname = \"m\"\nvertices = [[-10, -10], [10, -10], [10, 0], [0, 0], [0, 10], [-10, 10], [10, 10]]\n"
+        "faces = [" + faces + "]\n");
 }
 TEST(GoldenFill, ConvexFacesAreOnePolygonConcaveOnesTheirTrianglesAndCrossingOnesRefused) {
     const RenderResult square = plane("[0, 1, 6, 5]"), ell = plane("[0, 1, 2, 3, 4, 5]");
@@ -230,6 +236,93 @@ TEST(GoldenFill, ConvexFacesAreOnePolygonConcaveOnesTheirTrianglesAndCrossingOne
         << "an L without gap; shared edges are painted twice, seen once";
     EXPECT_THROW(plane("[0, 1, 5, 6]"), Error) << "a bow tie";
     EXPECT_THROW(plane("[0, 1]"), Error);
+}
+
+// Pixels of a row without a hole: each row of a convex body is one run.
+size_t holes(const Frame& frame, uint32_t width) {
+    size_t missing = 0;
+    for (size_t row = 0; row < frame.object.size(); row += width) {
+        const auto begin = frame.object.begin() + ptrdiff_t(row), end = begin + ptrdiff_t(width);
+        const auto drawn = [](uint32_t o) { return o != kNone; };
+        const auto first = std::find_if(begin, end, drawn);
+        const auto last = std::find_if(std::reverse_iterator(end), std::reverse_iterator(first), drawn).base();
+        missing += size_t(std::count(first, last, kNone));
+    }
+    return missing;
+}
+TEST(GoldenFill, NoHoleWhereAColumnPassesAPowerOfTwo) {
+    const RenderResult triangle = drawnByBoth(
+        "size = [640, 480]\n[camera]\ndistance = 500\n[[mesh]]\nname = \"t\"\nvertices = [[-66, 135], [-55, 128], [-64, 147]]\nfaces = [[0, 1, 2]]\n");
+    EXPECT_EQ(holes(triangle.frame, 640), 0u);
+    // Row 96 runs from exactly 255 1/2, which is column 256, to 257.42.
+    for (const uint32_t column : {255, 256, 257, 258}) EXPECT_EQ(triangle.frame.object[96 * 640 + column], column == 256 || column == 257 ? 0u : kNone) << column;
+    for (const glm::uvec2 size : {glm::uvec2(320, 240), glm::uvec2(640, 480), glm::uvec2(1280, 960)}) {
+        Scene scene = loadScene({PLUMB_SOURCE_DIR "/scenes/procedural/icosphere.ply"}, {});
+        completeScene(scene, size, "", false);
+        RenderRequest r = request(Shading::flat);
+        r.width = size.x;
+        r.height = size.y;
+        r.planes = kEveryPlane;
+        const RenderResult ball = renderCpu(scene, r);
+        EXPECT_GT(ball.frame.coveredPixels, size.x * size.y / 4);
+        EXPECT_EQ(holes(ball.frame, size.x), 0u) << size.x;
+    }
+}
+
+// A line that starts left of the middle of a column and ends on one stops a step before its end: X runs LeftX, LeftX + 1, ... <= RightX. So a rectangle
+// is not its two triangles: each row of the right one starts on the diagonal, X = 90 rows to 110 columns, and misses the right column where the
+// fraction of X lies between 0 and 1/2. No row gains a pixel, and along the diagonal none is lost.
+TEST(GoldenFill, ARectangleIsItsTwoTrianglesButForItsRightColumn) {
+    const auto rectangle = [](int width, int height, const char* faces) {
+        return drawnByBoth(fmt::format(
+            "size = [160, 120]\n[camera]\ndistance = 100\n[[mesh]]\nname = \"m\"\nvertices = [[-{0}, -{1}], [{0}, -{1}], [{0}, {1}], [-{0}, {1}]]\nfaces = {2}\n",
+            width / 2, height / 2, faces)).frame;
+    };
+    const char *whole = "[[0, 1, 2, 3]]", *rising = "[[0, 1, 2], [0, 2, 3]]", *falling = "[[0, 1, 3], [1, 2, 3]]";
+    const Frame one = rectangle(110, 90, whole);
+    EXPECT_EQ(one.coveredPixels, 111u * 91u) << "both ends of 110 columns and 90 rows";
+    for (const char* diagonal : {rising, falling}) {
+        // Rows whose X on the diagonal, k 110 / 90 from the right or from the left, has a fraction above 0 and below 1/2.
+        const bool fromLeft = diagonal == falling;
+        uint64_t expected = 0;
+        for (int row = 0; row <= 90; ++row) {
+            const int rest = (fromLeft ? 110 * row : 110 * (90 - row)) % 90;
+            expected += rest > 0 && 2 * rest < 90;
+        }
+        const Frame two = rectangle(110, 90, diagonal);
+        EXPECT_EQ(one.coveredPixels - two.coveredPixels, expected);
+        for (size_t i = 0; i < two.object.size(); ++i) {
+            if (two.object[i] == one.object[i]) continue;
+            ASSERT_EQ(one.object[i], 0u);
+            ASSERT_EQ(i % 160, 80u + 55u) << "not in the right column";
+        }
+        EXPECT_EQ(rectangle(90, 90, diagonal).coveredPixels, 91u * 91u) << "a square's diagonal passes whole columns only";
+    }
+}
+
+// A floor from before the viewer to far behind him: its corners lie up to 10^7 pixels away. Depth is that of the plane, but for corners rounded to whole
+// pixels, which moves Z by half its slope at most (stability, whole pixels), and for rounding: 16 units of 2^-24 of the larger of d and Z.
+TEST(GoldenFill, AFloorBehindTheViewerIsDrawnToTheCanvas) {
+    constexpr double kDistance = 500, kBelow = 100;
+    for (const double near : {1.0, 0.001}) {
+        const RenderResult r = drawnByBoth(fmt::format(
+            "size = [320, 240]\n[camera]\ndistance = 500\nnear = {}\n[[mesh]]\nname = \"floor\"\nvertices = [[-3000, -100, -9000], [3000, -100, -9000], [3000, -100, 4000], [-3000, -100, 4000]]\n"
+            "faces = [[0, 1, 2, 3]]\n", near));
+        EXPECT_EQ(r.counters.drawnTriangles, 1u);
+        size_t rows = 0;
+        for (uint32_t y = 121; y < 240; ++y) {
+            const double slope = kDistance * kDistance / (kDistance * kBelow);  // of Zps, a row
+            const double zps = kDistance - slope * (double(y) - 120);
+            if (zps > kDistance * (1 - kDistance / 4500) - slope) continue;  // beyond the far edge
+            ++rows;
+            for (uint32_t x = 0; x < 320; ++x) {
+                ASSERT_EQ(r.frame.object[y * 320 + x], 0u) << x << ' ' << y;
+                const double got = kDistance - kDistance * kDistance / double(r.frame.depth[y * 320 + x]);
+                ASSERT_LE(std::abs(got - zps), slope / 2 + 16 * 0x1p-24 * std::max(kDistance, std::abs(zps))) << x << ' ' << y;
+            }
+        }
+        EXPECT_GT(rows, 100u);
+    }
 }
 
 TEST(GoldenFill, APolygonBehindTheViewerIsCutNotDivided) {  // erratum A11

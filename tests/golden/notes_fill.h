@@ -74,11 +74,7 @@ inline std::vector<NotesLine> notesLines(const std::vector<NotesEdge>& table, bo
     return lines;
 }
 
-// X runs LeftX, LeftX + 1, ... <= RightX.
-inline int notesPixels(const NotesLine& line) {
-    int count = 0;
-    for (double x = line.leftX; x <= line.rightX; ++x) ++count;
-    return count;
-}
+// X runs LeftX, LeftX + 1, ... <= RightX. Counted, not summed: where a sum passes a power of two it may round past an end.
+inline int notesPixels(const NotesLine& line) { return int(std::floor(line.rightX - line.leftX)) + 1; }
 
 }  // namespace plumb::golden

@@ -14,8 +14,9 @@
 namespace plumb::test {
 
 inline ScanCanvas sameOnBothSides(const ScanList& list, std::vector<gpu::ScanSpan>* lines) {
-    std::vector<gpu::ScanSpan> wantSpans, gotSpans;
-    ScanCanvas want = scanlineCpu(list, &wantSpans);
+    const std::vector<gpu::ScanSpan> wantSpans = scanSpansCpu(list);
+    std::vector<gpu::ScanSpan> gotSpans;
+    ScanCanvas want = scanlineCpu(list);
     EXPECT_EQ(wantSpans.size(), list.spans);
     if (lines) *lines = wantSpans;
     if (!DeviceEnvironment::device()) {
