@@ -50,6 +50,7 @@ layout(constant_id = 31) const uint kTurns = 1u;          // samples of an invoc
 layout(constant_id = 32) const bool kDims = true;         // some material lets a feeler through
 layout(constant_id = 33) const bool kOneLight = false;
 layout(constant_id = 34) const bool kOneBoard = false;    // its record stays in registers
+layout(constant_id = 35) const bool kClose = false;       // the surface of some sphere is close to the eye
 
 layout(push_constant, scalar) uniform Push { TracePush push; };
 layout(binding = 1) uniform samplerBuffer spheres;        // centre, radius
@@ -68,6 +69,7 @@ layout(binding = 13) uniform usamplerBuffer triangles;
 layout(binding = 14) uniform samplerBuffer corners;
 layout(binding = 15) uniform usamplerBuffer pixels;       // x | y << 16, kListed
 layout(binding = 16) uniform usamplerBuffer leaves;
+layout(binding = 17) uniform samplerBuffer powers;        // of the eye, kClose
 
 const uint kHeldByAll = 1u;                 // by each invocation
 const uint kHeldByLanes = 2u;               // by invocation i modulo 8 of a subgroup
@@ -123,8 +125,9 @@ void hold() {
         for (int i = 0; i < kLightTexels; ++i) heldLight[i] = texelFetch(lights, i);
 }
 
+float powerOf(int i) { return kClose ? texelFetch(powers, i).x : 0.0; }
 SphereHit sphereOf(vec4 sphere, int i, vec3 o, vec3 d, uint from, bool inside) {
-    return hitSphere(o, d, sphere.xyz, sphere.w, startOn(uint(i), from, inside), kFar);
+    return hitSphere(o, d, sphere.xyz, sphere.w, powerOf(i), startOn(uint(i), from, inside), kFar, kClose);
 }
 // In a loop over all spheres.
 SphereHit sphereAt(int i, vec3 o, vec3 d, uint from, bool inside) {
@@ -485,7 +488,9 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
         if (kSpheres != 0) {
             uint sphereMaterial = 0u;
             vec4 sphereRecord = sphereRecordOf(sphere, sphereMaterial);
-            SurfacePoint onSphere = pointOnSphere(sphereRecord.xyz, sphereRecord.w, sphereOf(sphereRecord, sphere, o, d, from, inside).offset);
+            SphereHit again = sphereOf(sphereRecord, sphere, o, d, from, inside);
+            SurfacePoint onSphere = pointOnSphere(sphereRecord.xyz, sphereRecord.w, again.offset);
+            if (kClose) onSphere = pointOnCloseSphere(o, d, again.t, sphereRecord.xyz, sphereRecord.w, powerOf(sphere), again.offset);
             s.point = ball ? onSphere.point : s.point;
             s.normal = ball ? onSphere.normal : s.normal;
             s.error = ball ? onSphere.error : s.error;

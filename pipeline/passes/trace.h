@@ -16,6 +16,7 @@ namespace plumb {
 // What rays meet: in the passes' unit, relative to the eye. Objects count spheres first, then planes, then triangles.
 struct TraceScene {
     std::vector<glm::vec4> spheres;            // centre, radius
+    std::vector<float> powers;                 // |centre|^2 - radius^2 of each sphere, rounded once
     std::vector<gpu::PlaneRecord> planes;
     std::vector<uint32_t> surfaces;            // material of each sphere and plane
     std::vector<glm::vec4> corners;            // two each: position, normal
@@ -27,6 +28,7 @@ struct TraceScene {
     std::vector<gpu::TraceMaterial> materials;
     std::vector<gpu::LightRecord> lights;
     bool far = false;                          // some sphere is farther than 256 of its radii from something else
+    bool close = false;                        // the eye is within 1/16 radius of the surface of some sphere
     bool branching = false;                    // some material has two children
 };
 
@@ -60,6 +62,7 @@ void traceCpu(const gpu::TracePush& push, const TraceScene& scene, const TraceCh
 
 struct TraceBuffers {
     Buffer<glm::vec4> spheres;
+    Buffer<float> powers;
     Buffer<gpu::PlaneRecord> planes;
     Buffer<uint32_t> surfaces;
     Buffer<gpu::TraceMaterial> materials;

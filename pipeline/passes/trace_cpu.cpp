@@ -79,7 +79,7 @@ public:
 private:
     gpu::SphereHit sphere(size_t i, const glm::vec3& o, const glm::vec3& d, uint32_t from, bool inside) const {
         const glm::vec4& s = scene_.spheres[i];
-        return gpu::hitSphere(o, d, glm::vec3(s), s.w, gpu::startOn(uint32_t(i), from, inside), scene_.far);
+        return gpu::hitSphere(o, d, glm::vec3(s), s.w, scene_.powers[i], gpu::startOn(uint32_t(i), from, inside), scene_.far, scene_.close);
     }
     gpu::PlaneHit plane(size_t i, const glm::vec3& o, const glm::vec3& d, uint32_t from, bool inside) const {
         const gpu::PlaneRecord& p = scene_.planes[i];
@@ -150,7 +150,10 @@ private:
         if (object < scene_.spheres.size()) {
             const glm::vec4& s = scene_.spheres[object];
             material = scene_.surfaces[object];
-            return gpu::pointOnSphere(glm::vec3(s), s.w, sphere(object, ray.origin, ray.direction, ray.from, ray.inside).offset);
+            const gpu::SphereHit hit = sphere(object, ray.origin, ray.direction, ray.from, ray.inside);
+            if (scene_.close)
+                return gpu::pointOnCloseSphere(ray.origin, ray.direction, hit.t, glm::vec3(s), s.w, scene_.powers[object], hit.offset);
+            return gpu::pointOnSphere(glm::vec3(s), s.w, hit.offset);
         }
         const size_t i = object - scene_.spheres.size();
         const gpu::PlaneHit hit = plane(i, ray.origin, ray.direction, ray.from, ray.inside);

@@ -44,6 +44,7 @@ void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScen
     constants[4] = choices.colour;
     constants[5] = choices.list;
     constants[6] = scene.far;
+    constants[35] = scene.close;
     constants[7] = choices.count;
     constants[8] = choices.parts.specular;
     constants[9] = choices.parts.point;
@@ -79,7 +80,7 @@ void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScen
                        texels(b.materials, View::texelF32x4), texels(b.lights, View::texelF32x4), texels(b.encodeTable, View::texelU32),
                        storage(b.colours), storage(b.planeWords), storage(b.counters), storage(b.waiting), storage(b.states),
                        texels(b.nodes, View::texelU32x4), texels(b.triangles, View::texelU32x4), texels(b.corners, View::texelF32x4),
-                       texels(b.pixels, View::texelU32), texels(b.leaves, View::texelU32x4)},
+                       texels(b.pixels, View::texelU32), texels(b.leaves, View::texelU32x4), texels(b.powers, View::texelF32)},
                       constants);
 }
 

@@ -133,6 +133,7 @@ private:
     }
     void upload() {
         put(buffers_.spheres, traced_.spheres, "spheres");
+        put(buffers_.powers, traced_.powers, "powers of the eye");
         put(buffers_.planes, traced_.planes, "planes of the scene");
         put(buffers_.surfaces, traced_.surfaces, "surfaces");
         put(buffers_.materials, traced_.materials, "materials");

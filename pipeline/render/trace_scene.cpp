@@ -21,6 +21,7 @@ namespace {
 constexpr double kFarthest = 0x1p60;      // gpu::kFarthestHit
 constexpr double kLeastRadius = 0x1p-30;  // of the near plane: squares and their errors stay normal
 constexpr double kFarRadii = 256;         // beyond, the plain form loses more than 2^-14 of the radius (docs/accuracy.md, rays)
+constexpr double kCloseRadii = 1.0 / 16;  // nearer to a surface, the plain form loses more than 2^-18 of the eye's distance from it
 constexpr float kUnbounded = 0x1p100f;
 constexpr size_t kMostParts = size_t(1) << 25;  // texels of a device: 2^27, at most three a part
 
@@ -60,6 +61,29 @@ private:
         return name.empty() ? fmt::format("{}: a {}", scene_.path, kind) : fmt::format("{}: {} '{}'", scene_.path, kind, name);
     }
 
+    // |c - eye|^2 - r^2, to 2^-99 of r^2: every difference and product with its rounding error.
+    double powerOf(const SphereShape& s) const {
+        double high = 0, low = 0;
+        const auto add = [&](double x) {
+            const double sum = high + x, part = sum - high;
+            low += (high - (sum - part)) + (x - part);
+            high = sum;
+        };
+        const auto addProduct = [&](double a, double b) {
+            const double product = a * b;
+            low += std::fma(a, b, -product);
+            add(product);
+        };
+        for (int i = 0; i < 3; ++i) {
+            const double f = s.centre[i] - eye_[i], part = f - s.centre[i];
+            const double lost = (s.centre[i] - (f - part)) - (eye_[i] + part);
+            addProduct(f, f);
+            low += 2 * f * lost;
+        }
+        addProduct(-s.radius, s.radius);
+        return high + low;
+    }
+
     void addSphere(const SphereShape& s) {
         const glm::dvec3 centre = (s.centre - eye_) * unit_;
         const double radius = s.radius * unit_, reach = glm::length(centre) + radius;
@@ -67,6 +91,9 @@ private:
             throw inputError(nameOf(s.name, "sphere"), "it reaches further from the eye than 2^60 times the near plane");
         if (radius < kLeastRadius) throw inputError(nameOf(s.name, "sphere"), "its radius is below 2^-30 of the near plane");
         out_.spheres.emplace_back(rounded(centre), float(radius));
+        const double power = powerOf(s);
+        out_.powers.push_back(rounded(power * (unit_ * unit_)));
+        out_.close |= std::abs(power) < kCloseRadii * 2 * s.radius * s.radius;
         reach_ = std::max(reach_, float(reach));
         out_.surfaces.push_back(slotOf(s.material));
     }

@@ -53,10 +53,23 @@ struct SphereHit {
     vec3 offset;                        // from the centre to the hit
 };
 
+// |p - c|^2 - r^2, the power of p with respect to a sphere, from that of the eye (the origin), which the host computes without cancellation.
+// Within 5 u sum |p_i| |p_i - 2 c_i| of that of the sphere of centre c and radius sqrt(|c|^2 - power): the nearer p is to the eye, the better.
+SHARED_FN float powerAt(vec3 p, vec3 c, float power) { return power + dot3(p, p - (c + c)); }
+
+// True when powerAt serves a ray from o: the eye and o lie within two radii of the centre. Further off f.f - r^2 is as good.
+SHARED_FN bool startsClose(vec3 o, vec3 c, float r) {
+    vec3 f = o - c;
+    float reach = 4.0f * (r * r);
+    return dot3(c, c) < reach && dot3(f, f) < reach;
+}
+
 // Sphere of centre c and radius r in [2^-30, 2^60]. k: along the ray to the point nearest to the centre, l: from the centre to it, h: half
 // the chord. From outside t = (f.f - r^2) / (k + h), without the cancellation of k - h; from inside h^2 = k^2 + (r^2 - f.f), both
 // summands positive. `far` (a sphere farther than 256 radii): l to about one rounding instead of u |f| (docs/accuracy.md, rays).
-SHARED_FN SphereHit hitSphere(vec3 o, vec3 d, vec3 c, float r, uint start, bool far) {
+// `close` (the eye within 1/16 radius of some surface): r^2 - l.l and f.f - r^2 keep u r^2 of a gap that may be 2^-30 r. There f.f - r^2 comes
+// from `power`, that of the eye, and h^2 = k^2 - (f.f - r^2) outside too.
+SHARED_FN SphereHit hitSphere(vec3 o, vec3 d, vec3 c, float r, float power, uint start, bool far, bool close) {
     vec3 f = o - c;
     float k = -dot3(f, d);
     vec3 l = f + d * k;
@@ -68,9 +81,14 @@ SHARED_FN SphereHit hitSphere(vec3 o, vec3 d, vec3 c, float r, uint start, bool 
     }
     float outside = dot3(f, f) - r * r;
     float square = r * r - dot3(l, l);
+    bool gap = false;
+    if (close) {
+        gap = startsClose(o, c, r);
+        outside = pick(gap, powerAt(o, c, power), outside);
+    }
     bool within = outside <= 0.0f;
     bool ahead = k > 0.0f;
-    square = pick(within, k * k - outside, square);
+    square = pick(within || gap, k * k - outside, square);
     bool meets = square >= 0.0f;
     // no plant: the root of a negative number is not used
     float h = exactRoot(pick(meets, square, 0.0f));
@@ -81,13 +99,15 @@ SHARED_FN SphereHit hitSphere(vec3 o, vec3 d, vec3 c, float r, uint start, bool 
     float entering = pick(ahead && meets, quotient, 0.0f);
     SphereHit hit;
     hit.t = pick(within, leaving, entering);
-    // On the sphere itself f.f = r^2: from inside the far side is 2 k away, from outside there is nothing.
+    // On the sphere itself f.f = r^2: from inside the far side is 2 k away, from outside there is nothing. The origin has been moved in by some
+    // 30 u r, which `power` can tell: k + h.
     bool own = start != kStartElsewhere;
-    float across = pick(start == kStartInside && ahead, k + k, 0.0f);
+    float half_ = pick(gap && h > k, h, k);
+    float across = pick(start == kStartInside && ahead, k + half_, 0.0f);
     hit.t = pick(own, across, hit.t);
     hit.t = pick(hit.t <= kFarthestHit, hit.t, 0.0f);
     float side = pick(within, h, -h);
-    side = pick(own, k, side);
+    side = pick(own, half_, side);
     hit.offset = l + d * side;
     return hit;
 }
@@ -103,6 +123,19 @@ SHARED_FN SurfacePoint pointOnSphere(vec3 c, float r, vec3 offset) {
     s.normal = unitLength(offset);
     s.point = c + s.normal * r;
     s.error = (magnitudes(s.point) * 4.0f + vec3(12.0f * r)) * 5.9604644775390625e-8f;
+    return s;
+}
+
+// The same for a sphere that is close to the eye, where c + r n keeps u r of a place that may be 2^-30 r away: the place along the ray, or c + r n
+// for a ray from afar, is stepped back by its height h over the surface, (|p - c|^2 - r^2) / 2r. The power of p is within 5 u sum |p_i| |p_i - 2 c_i|,
+// so h is within 2.5 u of that over r. The step leaves h^2 / 2r and 9 u h (n is not quite unit); |h| < 2^-17 r, so both are below |h| 2^-17.
+SHARED_FN SurfacePoint pointOnCloseSphere(vec3 o, vec3 d, float t, vec3 c, float r, float power, vec3 offset) {
+    SurfacePoint s = pointOnSphere(c, r, offset);
+    vec3 p = chosen(startsClose(o, c, r), o + d * t, s.point);
+    float height = exactDivide(snapTiny(powerAt(p, c, power)), r + r);
+    s.point = p - s.normal * height;
+    float lost = exactDivide(snapTiny(dot3(magnitudes(p), magnitudes(p - (c + c)))), r) * (3.0f * 5.9604644775390625e-8f);
+    s.error = magnitudes(s.point) * (4.0f * 5.9604644775390625e-8f) + vec3(lost + abs(height) * 7.62939453125e-6f);
     return s;
 }
 

@@ -38,7 +38,7 @@ struct Quadratic {
 
 // The product's hit, as a parameter of the unnormalised direction.
 double tOfSphere(const dvec3& start, const dvec3& direction, const dvec3& centre, double radius) {
-    const gpu::SphereHit hit = gpu::hitSphere(glm::vec3(start), gpu::unitLength(glm::vec3(direction)), glm::vec3(centre), float(radius), gpu::kStartElsewhere, false);
+    const gpu::SphereHit hit = gpu::hitSphere(glm::vec3(start), gpu::unitLength(glm::vec3(direction)), glm::vec3(centre), float(radius), 0, gpu::kStartElsewhere, false, false);
     return double(hit.t) / glm::length(direction);
 }
 gpu::PlaneHit hitOf(const dvec3& start, const dvec3& direction, const dvec3& normal, const dvec3& anchor) {

@@ -4,6 +4,7 @@
 
 #include "tests/support/scenes.h"
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -119,6 +120,34 @@ inline Scene farAway() {
     s.camera->near = 0.01;
     return s;
 }
+
+// The eye `gap` above the top of a sphere (below it, inside, where gap < 0), with a ball, a board and a lamp of the gap's own size around it.
+inline Scene closeTo(double radius, double gap) {
+    Scene s = rayScene();
+    const double size = std::abs(gap), up = gap < 0 ? -size : size;
+    const uint32_t ground = addRayMaterial(s, {0.8f, 0.5f, 0.2f}, 0, 0, 1), metal = addRayMaterial(s, {0.2f, 0.3f, 0.6f}, 0.5f, 0, 1, 60);
+    const uint32_t white = addRayMaterial(s, glm::vec3(0.8f), 0, 0, 1, 0);
+    s.camera->eye = {0, gap, 0};
+    s.camera->focusDistance = 3 * size;
+    s.camera->near = size / 64;
+    s.spheres = {ball({0, -radius, 0}, radius, ground), ball({-size, 0.7 * up, -4 * size}, 0.6 * size, metal)};
+    PlaneShape board;
+    board.point = {1.5 * size, 0, -6 * size};
+    board.normal = glm::normalize(glm::dvec3(-0.4, 0, 1));
+    board.u = glm::normalize(glm::dvec3(1, 0, 0.4));
+    board.v = {0, 1, 0};
+    board.material = metal;
+    board.square = 0.37 * size;
+    board.otherMaterial = white;
+    board.uMin = -1.5 * size, board.uMax = 1.5 * size, board.vMin = -size, board.vMax = 3 * size;
+    s.planes = {board};
+    s.lights[0].position = {3 * size, 4 * up, -size};
+    s.lights[1].direction = {-0.4, gap < 0 ? -0.8 : 0.8, 0.4};
+    s.maxDepth = 3;
+    return s;
+}
+inline Scene closeOutside() { return closeTo(1e9, 2); }
+inline Scene closeInside() { return closeTo(6.371e6, -1.5); }
 
 // Closed meshes among mirrors: one of them a mirror, one of glass, one turned inside out by its matrix, one twice.
 inline Scene meshesAmongMirrors() {

@@ -113,6 +113,7 @@ TEST_P(TraceTwin, BothFormsOfDivisionLeaveTheSameBytes) {
             return bufferOf(device(), from);
         };
         b.spheres = atLeastOne(traced.spheres);
+        b.powers = atLeastOne(traced.powers);
         b.planes = atLeastOne(traced.planes);
         b.surfaces = atLeastOne(traced.surfaces);
         b.materials = atLeastOne(traced.materials);
@@ -164,7 +165,8 @@ TEST_P(TraceTwin, BothFormsOfDivisionLeaveTheSameBytes) {
 INSTANTIATE_TEST_SUITE_P(Rows, TraceTwin,
                          ::testing::Values(Row{"mirrors", mirrors, 1, 1}, Row{"mirrors", mirrors, 19, 1}, Row{"mirrors", mirrors, 131, 67},
                                            Row{"glass", glass, 1, 19}, Row{"glass", glass, 67, 35}, Row{"inGlass", inGlass, 67, 35},
-                                           Row{"farAway", farAway, 67, 35}, Row{"level", level, 17, 9}, Row{"meshesAmongMirrors", meshesAmongMirrors, 67, 35},
+                                           Row{"farAway", farAway, 67, 35}, Row{"closeOutside", closeOutside, 67, 35},
+                                           Row{"closeInside", closeInside, 67, 35}, Row{"level", level, 17, 9}, Row{"meshesAmongMirrors", meshesAmongMirrors, 67, 35},
                                            Row{"meshesAlone", meshesAlone, 131, 67}),
                          [](const auto& info) { return fmt::format("{}_{}x{}", info.param.name, info.param.width, info.param.height); });
 

@@ -11,9 +11,9 @@ namespace plumb::gpu {
 namespace {
 
 constexpr double kUlp = 0x1p-24;
-const vec3 kZ(0, 0, 1);
+const vec3 kZ(0, 0, 1), kYAxis(0, 1, 0);
 
-SphereHit ask(vec3 o, vec3 d, vec3 c, float r, uint start = kStartElsewhere) { return hitSphere(o, d, c, r, start, false); }
+SphereHit ask(vec3 o, vec3 d, vec3 c, float r, uint start = kStartElsewhere) { return hitSphere(o, d, c, r, 0, start, false, false); }
 
 TEST(StartOn, KnowsTheObjectAndTheSide) {
     EXPECT_EQ(startOn(3, 4, true), kStartElsewhere);
@@ -100,16 +100,94 @@ TEST(HitSphere, FarSpheresKeepTheirShape) {
     for (int i = 0; i < 3; ++i) l[i] = k * dd[i] - double(c[i]), ll += l[i] * l[i];
     ASSERT_LT(ll, 1);
     const double h = std::sqrt(1 - ll);
-    const SphereHit hit = hitSphere(vec3(0), d, c, 1, kStartElsewhere, true);
+    const SphereHit hit = hitSphere(vec3(0), d, c, 1, 0, kStartElsewhere, true, false);
     // Error of l: a few roundings of values of its own size; of h: that of l times l / h.
     const double bound = 32 * kUlp * (1 + 1 / h);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(hit.offset[i], l[i] - h * dd[i], bound);
-    EXPECT_GT(glm::length(hit.offset - hitSphere(vec3(0), d, c, 1, kStartElsewhere, false).offset), 1e3f * float(bound)) << "the plain form is as good";
+    EXPECT_GT(glm::length(hit.offset - hitSphere(vec3(0), d, c, 1, 0, kStartElsewhere, false, false).offset), 1e3f * float(bound)) << "the plain form is as good";
 }
 
 TEST(PointOnLine, ItsErrorTermsAreNeverSubnormal) {
     EXPECT_EQ(productError(0x1.000002p-31f, 0x1.000002p-31f, 0x1.000002p-31f * 0x1.000002p-31f), 0.0f);
     EXPECT_EQ(productError(0x1.000002p-20f, 0x1.000002p-20f, 0x1.000002p-20f * 0x1.000002p-20f), 0x1p-86f);
+}
+
+// A sphere of 2^30 under an eye 2 above it: |c| and r are the same float, and only the power of the eye knows the gap.
+constexpr float kHuge = 0x1p30f;
+const vec3 kBelow(0, -kHuge, 0);
+constexpr float kPower = 4 * kHuge;  // (|c| - r)(|c| + r) = 2 * 2^31; 4 more is beyond float32
+SphereHit askClose(vec3 o, vec3 d, float power, uint start = kStartElsewhere, bool close = true) {
+    return hitSphere(o, d, kBelow, kHuge, power, start, false, close);
+}
+
+TEST(PowerAt, IsTheSquareOfTheDistanceWithoutThatOfTheRadius) {
+    EXPECT_EQ(powerAt(vec3(0), kBelow, kPower), kPower);
+    EXPECT_EQ(powerAt({0, -2, 0}, kBelow, kPower), 0.0f);
+    EXPECT_EQ(powerAt({0, 1, 0}, kBelow, kPower), kPower + 2 * kHuge);
+    EXPECT_EQ(powerAt({1, 0, 0}, {3, 0, 0}, 5), 0.0f);     // r = 2
+}
+
+TEST(StartsClose, WhereEyeAndOriginAreWithinTwoRadii) {
+    EXPECT_TRUE(startsClose(vec3(0), {0, 0, 3.9f}, 2));
+    EXPECT_FALSE(startsClose({0, 0, 1}, {0, 0, 4.1f}, 2)) << "the eye is further off";
+    EXPECT_FALSE(startsClose({0, 0, -1}, {0, 0, 3.9f}, 2)) << "the origin is further off";
+    EXPECT_TRUE(startsClose({0, 0, 7}, {0, 0, 3.9f}, 2));
+}
+
+TEST(HitSphere, AGapFarBelowItsRadiusIsSeen) {
+    EXPECT_EQ(askClose(vec3(0), -kYAxis, kPower).t, 2.0f);
+    EXPECT_EQ(askClose(vec3(0), kYAxis, kPower).t, 0.0f);
+    EXPECT_EQ(askClose(vec3(0), -kYAxis, kPower, kStartElsewhere, false).t, 2 * kHuge) << "the plain form knows the gap too";
+    // From inside, just as near: up to the near side, down to the far one.
+    EXPECT_EQ(askClose(vec3(0), kYAxis, -kPower).t, 2.0f);
+    EXPECT_EQ(askClose(vec3(0), -kYAxis, -kPower).t, 2 * kHuge);
+    // From elsewhere: 3 above the eye, 5 above the sphere.
+    EXPECT_EQ(askClose({0, 3, 0}, -kYAxis, kPower).t, 5.0f);
+}
+
+// A quarter of a dip of the horizon below it: k^2 and the power are 2^-28 of r^2, which r^2 - l.l cannot hold.
+TEST(HitSphere, TheHorizonOfAHugeSphereIsSeen) {
+    const double dip = std::sqrt(2.0 * 2 / double(kHuge));
+    for (const double steep : {1.25, 0.75}) {
+        const vec3 d(1, float(-dip * steep), 0);  // unit to 2^-28
+        const double k = dip * steep, h = steep < 1 ? 0 : std::sqrt(k * k - dip * dip);
+        const double way = steep < 1 ? 0 : 4 / (k + h);
+        // d.y is known to u of itself, k^2 - dip^2 to 4 u of k^2, which over h is 8 u; the last quotient adds what is left.
+        EXPECT_NEAR(askClose(vec3(0), d, kPower).t, way, 16 * kUlp * way) << steep;
+    }
+}
+
+// A ray's own sphere, from an origin moved in by s: to the far side it is 2 k and what the step took off, s / cosine.
+TEST(HitSphere, AnOriginMovedInIsThatMuchFurtherFromTheFarSide) {
+    const vec3 d = unitLength({1, -0.25f, 0});
+    const float moved = 1024;  // 2^-20 of the radius
+    const SphereHit across = askClose({0, -2 - moved, 0}, d, kPower, kStartInside);
+    const double k = (double(kHuge) - moved) * -double(d.y), h = std::sqrt(k * k + 2.0 * moved * double(kHuge) - double(moved) * moved);
+    EXPECT_NEAR(across.t, k + h, 16 * kUlp * (k + h));
+    EXPECT_GT(k + h - 2 * k, 64 * kUlp * (k + h)) << "2 k is as good";
+    EXPECT_NEAR(double(glm::length(glm::dvec3(across.offset))), double(kHuge), 16 * kUlp * double(kHuge));
+    EXPECT_NEAR(askClose({0, -2 - moved, 0}, d, kPower, kStartInside, false).t, 2 * k, 16 * kUlp * k) << "the plain form may not use its own h";
+    // Just outside by rounding: 2 k, as ever.
+    EXPECT_EQ(askClose({0, moved - 2, 0}, -kYAxis, kPower, kStartInside).t, 2 * (kHuge + moved));
+}
+
+TEST(PointOnCloseSphere, IsAsNearToItAsToTheEye) {
+    const vec3 d = unitLength({1, -1, 0.5f});
+    const SphereHit hit = askClose(vec3(0), d, kPower);
+    const SurfacePoint s = pointOnCloseSphere(vec3(0), d, hit.t, kBelow, kHuge, kPower, hit.offset);
+    EXPECT_NEAR(s.point.y, -2, 16 * kUlp * 2);
+    EXPECT_NEAR(s.point.x, 2, 16 * kUlp * 2);
+    EXPECT_LT(dot3(magnitudes(s.normal), s.error), 64 * kUlp * 3);
+    EXPECT_GT(pointOnSphere(kBelow, kHuge, hit.offset).error.x, 256.0f) << "the plain form is as good";
+    // A place that is off is stepped back along the normal, and the step is counted as lost by 2^-17 of it.
+    const SurfacePoint off = pointOnCloseSphere(vec3(0), d, hit.t * 1.25f, kBelow, kHuge, kPower, hit.offset);
+    EXPECT_NEAR(off.point.y, -2, 16 * kUlp * 4);
+    EXPECT_GT(off.error.y, 0.25f * 2 * 0x1p-17f);
+    // From three radii away the place along the ray is no better than c + r n, and that is where the way ends.
+    const vec3 o(0, 3 * kHuge, 0);
+    const SurfacePoint far = pointOnCloseSphere(o, -kYAxis, 1.0f, kBelow, kHuge, kPower, {0, kHuge, 0});
+    EXPECT_NEAR(far.point.y, -2, far.error.y);
+    EXPECT_LT(far.error.y, 12 * 0x1p-24f * kHuge * 0x1p-17f);  // of c + r n, known to 12 u r
 }
 
 struct Slab {
