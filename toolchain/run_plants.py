@@ -7,6 +7,9 @@ makes of the text is compiled again (the twin: its translation units; the device
 objects before the archives, which then have no part in what the objects define. It must fail. Before any fault each program must pass
 with the filters named, and run at least one test for each.
 
+The twin's faults that stand in bodies of functions are compiled together, a program once: a body begins with `if (plumbPlant == K) { the body with the fault K }`,
+and each run has one of them by PLUMB_PLANT=K. The program so built must pass with none of them, too.
+
 usage: run_plants.py BUILD [--jobs N] [--only REGEX]
 """
 import argparse
@@ -109,6 +112,58 @@ class Build:
         return self.links[program]
 
 
+SWITCH = """#if defined(__cplusplus) && !defined(PLUMB_PLANT_SWITCH)
+#define PLUMB_PLANT_SWITCH
+#include <cstdlib>
+inline int plumbPlant = 0;
+[[gnu::constructor(101)]] static void plumbReadPlant() {  // before any variable is initialised by a function of the text
+    const char* const number = std::getenv("PLUMB_PLANT");
+    plumbPlant = number ? std::atoi(number) : 0;
+}
+#endif
+"""
+
+
+def body_around(text, first, last):
+    """(start, end, whether it returns nothing) of the body of the function, between its braces, that holds text[first:last]; None outside of any."""
+    code = re.sub(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'', lambda m: re.sub(r"[^\n]", " ", m.group(0)), text, flags=re.S)
+    open_, outermost = [], None
+    for m in re.finditer(r"[{}]", code):
+        at = m.start()
+        if m.group(0) == "{":
+            head = code[:at].rstrip()
+            function = outermost is None and re.search(r"\)(?:\s*(?:const|noexcept))*$", head) is not None
+            open_.append((at + 1, function))
+            if function:
+                outermost = len(open_)
+        elif open_:
+            start, function = open_.pop()
+            if function and outermost == len(open_) + 1:
+                outermost = None
+                if start <= first and last <= at:
+                    begin = max(code.rfind(end, 0, start - 1) for end in ";}")
+                    declared = re.sub(r"^[ \t]*#[^\n]*", "", code[begin + 1:start], flags=re.M)
+                    return start, at, re.match(r"(?:[\w:]+\s+)*?void\s+\w+\s*\(", declared.strip()) is not None
+    return None
+
+
+def switched(text, rows):
+    """(text with the faults of all rows behind a switch, rows that stand in no function). Rows: {number: row}."""
+    bodies, outside = collections.defaultdict(list), []
+    for number, row in rows.items():
+        at, length = plants.places_of(text, row)[0], len(row.text.removeprefix("^"))
+        body = body_around(text, at, at + length)
+        if body is None or "#" in text[body[0]:body[1]]:
+            outside.append(row)
+            continue
+        start, end, nothing = body
+        faulty = text[start:at] + row.replacement + text[at + length:end]
+        bodies[start].append(f"\nif (plumbPlant == {number}) {{{faulty}\n{'return;' if nothing else ''}}}\n")
+    for start in sorted(bodies, reverse=True):
+        text = text[:start] + "".join(bodies[start]) + text[start:]
+    return SWITCH + text, outside
+
+
 class Worker:
     """A place of its own where one fault at a time is planted, built and run."""
 
@@ -120,18 +175,15 @@ class Worker:
         os.makedirs(self.out)
         os.makedirs(os.path.join(base, "cache"), exist_ok=True)
 
-    def plant(self, row):
-        """Lays out the text with the fault. A quoted include looks beside the file that names it first, so the shaders lie there whole."""
+    def lay_out(self, texts):
+        """Lays out the text with faults, {file of a row: text}. A quoted include looks beside the file that names it first, so the shaders lie there whole."""
         shutil.rmtree(self.overlay, ignore_errors=True)
         shutil.copytree(os.path.join(ROOT, "shaders"), os.path.join(self.overlay, "shaders"))
-        source = plants.path_of(ROOT, row.file)
-        with open(source, encoding="utf-8") as f:
-            text = f.read()
-        target = os.path.join(self.overlay, os.path.relpath(source, ROOT))
-        os.makedirs(os.path.dirname(target), exist_ok=True)
-        with open(target, "w", encoding="utf-8") as f:
-            f.write(plants.planted(text, row))
-        return source
+        for file, text in texts.items():
+            target = os.path.join(self.overlay, os.path.relpath(plants.path_of(ROOT, file), ROOT))
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            with open(target, "w", encoding="utf-8") as f:
+                f.write(text)
 
     def call(self, words):
         done = subprocess.run(words, cwd=self.build.path, capture_output=True, text=True, env=self.environment)
@@ -151,10 +203,10 @@ class Worker:
         self.call(words + ["-o", out, "-c", source])
         return out
 
-    def of_twin(self, path, objects):
-        """[objects replaced, how to make what replaces them]: the program's units that read the text in C++, but for what drives the device."""
-        names = sorted(name for name in self.build.users[path] if name in objects and not name.startswith("host/")
-                       and "gpu" not in os.path.basename(name))
+    def of_twin(self, paths, objects):
+        """[objects replaced, how to make what replaces them]: the program's units that read one of the texts in C++, but for what drives the device."""
+        users = set().union(*(self.build.users[path] for path in paths))
+        names = sorted(name for name in users if name in objects and not name.startswith("host/") and "gpu" not in os.path.basename(name))
         return [([name], lambda name=name: self.compiled(name, self.in_overlay(self.build.source[name]))) for name in names]
 
     def of_device(self, path, objects):
@@ -183,15 +235,17 @@ class Worker:
         self.call(placed(embed))
         return self.compiled(name, stem + ".cpp")
 
-    def attempts(self, row):
-        """Programs with the fault in them: first in what bears the program's own name only (the test, its pass's twin or kernel), which is
-        enough for most faults and quick to build, then in everything that reads the text."""
-        path = self.plant(row)
-        _, objects = self.build.link_of(row.program)
-        parts = self.of_twin(path, objects) if row.side in ("twin", "both") else []
-        if row.side in ("device", "both"):
-            parts += self.of_device(path, objects)
-        stem = row.program.removesuffix("_test")
+    def attempts(self, rows, texts):
+        """Programs with the texts in them, of rows of one program and side: first in what bears the program's own name only (the test, its pass's twin or
+        kernel), which is enough for most faults and quick to build, then in everything that reads the text."""
+        self.lay_out(texts)
+        program, side = rows[0].program, rows[0].side
+        paths = sorted({plants.path_of(ROOT, row.file) for row in rows})
+        _, objects = self.build.link_of(program)
+        parts = self.of_twin(paths, objects) if side in ("twin", "both") else []
+        if side in ("device", "both"):
+            parts += [part for path in paths for part in self.of_device(path, objects)]
+        stem = program.removesuffix("_test")
         near = [part for part in parts if re.match(rf"{stem}(_test|_cpu|_shuffle)?\.cpp", os.path.basename(part[0][0]))]
         far = [part for part in parts if part not in near]
         made = []
@@ -199,9 +253,9 @@ class Worker:
             fresh = [(names, out) for names, make in group if (out := make())]
             if fresh:
                 made += fresh
-                yield self.linked(row.program, made)
+                yield self.linked(program, made)
         if not made:
-            raise RuntimeError(f"{row.file} changes nothing of {row.program}")
+            raise RuntimeError(f"{', '.join(sorted({row.file for row in rows}))} changes nothing of {program}")
 
     def linked(self, program, made):
         replaced = {name for names, _ in made for name in names}
@@ -211,11 +265,11 @@ class Worker:
         self.call(words[:at] + [out for _, out in made] + words[at:])
         return words[at + 1]
 
-    def run(self, program, test_filter, timeout_s):
+    def run(self, program, test_filter, timeout_s, plant=0):
         """(exit status, tests run, first failed test)"""
         try:
-            done = subprocess.run([program, f"--gtest_filter={test_filter}", "--gtest_fail_fast"], capture_output=True, text=True,
-                                  errors="replace", cwd=self.base, env=self.environment, timeout=timeout_s)
+            done = subprocess.run([program, f"--gtest_filter={test_filter}", "--gtest_fail_fast"], capture_output=True, text=True, errors="replace",
+                                  cwd=self.base, env=dict(self.environment, PLUMB_PLANT=str(plant)), timeout=timeout_s)
         except subprocess.TimeoutExpired:
             return -1, 1, f"no end after {timeout_s:.0f} s"
         count = re.search(r"Running (\d+) tests?", done.stdout)
@@ -224,11 +278,17 @@ class Worker:
         return done.returncode, int(count.group(1)) if count else 0, failed.group(1) if failed else last
 
 
+def text_of(file):
+    path = plants.path_of(ROOT, file)
+    if not os.path.isfile(path):
+        return ""
+    with open(path, encoding="utf-8") as f:
+        return f.read()
+
+
 def misfits(rows):
     for row in rows:
-        path = plants.path_of(ROOT, row.file)
-        text = open(path, encoding="utf-8").read() if os.path.isfile(path) else ""
-        if len(plants.places_of(text, row)) != 1:
+        if len(plants.places_of(text_of(row.file), row)) != 1:
             yield f"{row.name}: `{row.text}` does not stand once in {row.file}"
 
 
@@ -290,21 +350,61 @@ def main():
     say(f"green without a fault; {len(rows)} faults to plant")
     seen, missed = [], []
 
-    def noticed(worker, row):
-        status, failed = 0, ""
+    def tell(row, failed):
+        (seen if failed else missed).append(row.name)
+        return f"noticed by {failed}" if failed else f"UNNOTICED by {row.program} {row.filter}"
+
+    def alone(worker, row):
+        """The fault by itself in the text."""
+        failed = ""
         try:
-            for program in worker.attempts(row):
+            for program in worker.attempts([row], {row.file: plants.planted(text_of(row.file), row)}):
                 status, _, failed = worker.run(program, row.filter, limits[row.program, row.filter])
                 if status:
                     break
-            else:
-                failed = f"UNNOTICED by {row.program} {row.filter}"
+                failed = ""
+            said = tell(row, failed)
         except RuntimeError as error:
-            status, failed = 0, f"does not build: {error}"
-        (seen if status else missed).append(row.name)
-        say(f"{row.side:6} {row.name}: {f'noticed by {failed}' if status else failed}")
+            missed.append(row.name)
+            said = f"does not build: {error}"
+        say(f"{row.side:6} {row.name}: {said}")
 
-    side_by_side(workers, rows, noticed)
+    def together(worker, batch):
+        """Faults of one program behind a switch; what a program built of all of them cannot tell is planted alone."""
+        numbers = {number: row for number, row in enumerate(batch, 1)}
+        texts, single = {}, []
+        for file in dict.fromkeys(row.file for row in batch):
+            texts[file], outside = switched(text_of(file), {number: row for number, row in numbers.items() if row.file == file})
+            single += outside
+        left = {number: row for number, row in numbers.items() if row not in single}
+        try:
+            for program in worker.attempts(list(left.values()), texts) if left else ():
+                for test_filter in sorted({row.filter for row in left.values()}):
+                    status, _, failed = worker.run(program, test_filter, limits[batch[0].program, test_filter])
+                    if status:
+                        raise RuntimeError(f"{failed} fails without a fault")
+                for number, row in list(left.items()):
+                    status, _, failed = worker.run(program, row.filter, limits[row.program, row.filter], number)
+                    if status:
+                        del left[number]
+                        say(f"{row.side:6} {row.name}: {tell(row, failed)}")
+                if not left:
+                    break
+        except RuntimeError as error:
+            say(f"{batch[0].program}: {len(left)} faults do not build together: {error}")
+            single += left.values()
+            left = {}
+        for row in left.values():
+            say(f"{row.side:6} {row.name}: {tell(row, '')}")
+        for row in single:
+            alone(worker, row)
+
+    batches = collections.defaultdict(list)
+    for row in rows:
+        batches[row.program, row.side].append(row)
+    jobs = [lambda worker, batch=batch: together(worker, batch) for (_, side), batch in batches.items() if side == "twin"]
+    jobs += [lambda worker, row=row: alone(worker, row) for row in rows if row.side != "twin"]
+    side_by_side(workers, jobs, lambda worker, job: job(worker))
     print(f"run_plants: {len(rows)} planted faults, {len(missed)} not noticed{': ' if missed else ''}{', '.join(sorted(missed))}")
     return 0 if len(seen) == len(rows) else 1
 
