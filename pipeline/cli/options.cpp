@@ -2,6 +2,7 @@
 #include "pipeline/cli/options.h"
 
 #include "host/error.h"
+#include "pipeline/scene/extension.h"
 #include "pipeline/scene/text.h"
 
 #include <CLI/CLI.hpp>
@@ -310,7 +311,7 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) { o.pixelsPerDegree = real(v, 1, 1000); }},
     {"--heat", "FILE", "write a heat map as PNG: FLIP's error for colour, else the error", "", "a path that ends in .png", kFile, kDiff,
      [](Options& o, const std::string& v) {
-         if (!v.ends_with(".png")) throw Refused{};
+         if (lowerExtension(v) != ".png") throw Refused{};
          o.heat = v;
      }},
     {"--json", "[=FILE]", "write the report as JSON, to standard output or to FILE", "", "a path", kFile, kReports,
@@ -437,7 +438,7 @@ const std::vector<CommandRow> kCommands = {
 // Reserved by the design for later versions, so that nothing else takes the words.
 constexpr std::array kLater = {"plan", "stress", "view", "merge", "worker", "report"};
 
-constexpr std::array<ExitRow, 10> kExitCodes = {{{0, "done, and every gate held"},
+constexpr std::array<ExitRow, 11> kExitCodes = {{{0, "done, and every gate held"},
                                                  {1, "compared, and different"},
                                                  {2, "the command line is refused"},
                                                  {3, "the input is refused"},
@@ -446,6 +447,7 @@ constexpr std::array<ExitRow, 10> kExitCodes = {{{0, "done, and every gate held"
                                                  {6, "the budget cannot be met"},
                                                  {7, "the picture is blank and --fail-blank was given"},
                                                  {130, "interrupted"},
+                                                 {141, "standard output has lost its reader"},
                                                  {143, "terminated"}}};
 
 // "; did you mean 'x'?" for the nearest word that is at most two edits away.
@@ -483,8 +485,12 @@ void checkTogether(const Options& o) {
     if (o.fill && o.shading == Shading::wire) throw usageError("--fill and --shading wire exclude each other: a wire frame fills nothing");
     if (o.dimensions == 2 && o.spacePoints) throw usageError("--point: with --dimensions 2 a point has two numbers");
     if (o.dimensions == 3 && o.planePoints) throw usageError("--point: a point has three numbers, unless with --dimensions 2");
-    if (o.command == kDiff && !o.output.empty() && o.output != "-" && !o.output.ends_with(".png")) throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, or -", printable(o.output)));
-    if (o.command == kMeasure && !o.output.empty() && !o.output.ends_with(".html")) throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output)));
+    if (o.command == kDiff && !o.output.empty() && o.output != "-" && lowerExtension(o.output) != ".png") throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, or -", printable(o.output)));
+    // Before a mesh is read for it; a placeholder in the extension is filled in later.
+    if (const std::string extension = lowerExtension(o.output); o.command == kRender && !o.output.empty() && o.output != "-" && extension != ".png" && extension != ".exr" &&
+                                                               extension != ".npy" && extension.find('{') == std::string::npos)
+        throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, .exr or .npy, or -", printable(o.output)));
+    if (o.command == kMeasure && !o.output.empty() && lowerExtension(o.output) != ".html") throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output)));
     if ((o.command & (kRender | kDiff)) != 0 && o.json && o.jsonFile.empty() && o.output == "-")
         throw usageError("--json and -o - both want standard output: use --json=FILE or -o FILE");
 }

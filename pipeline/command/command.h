@@ -11,6 +11,7 @@
 
 namespace plumb {
 
+class FileBatch;
 using Json = nlohmann::ordered_json;  // keys in the order in which docs/outputs.md lists them
 
 Exit renderCommand(const Options&);
@@ -27,8 +28,14 @@ Exit helpCommand(const Options&);
 std::string versionReport();
 Json toolJson();
 
-// Data on standard output: all of it is written, or Error(failed).
+// Standard output has lost its reader, as SIGPIPE would have ended the command: no line is said.
+inline constexpr Exit kReaderLeft = Exit(141);
+// Data on standard output: all of it is written, or Error(failed); Error(kReaderLeft) when nobody reads it any more.
 void printData(const std::string& text);
+// The same errors for a standard output that is closed or has lost its reader, before there is something to write.
+void expectReader();
+// The end of a command: its files are placed, `text` and the report of --json are written, and then the files are kept. What fails leaves none of them.
+void finish(const Options&, FileBatch& files, const std::string& text, const std::vector<Json>& objects);
 // The report of --json: one object, or an array when there are several, to standard output or to --json=FILE.
 void writeJson(const Options&, const std::vector<Json>& objects);
 // A line for people, on standard error; one that cannot be written is lost and ends nothing. say(): nothing with -q.

@@ -5,6 +5,7 @@
 #include "pipeline/compare/compare.h"
 #include "pipeline/compare/draw.h"
 #include "pipeline/compare/gate.h"
+#include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/scene/text.h"
 
@@ -180,7 +181,7 @@ const LayerDifference* shown(const Comparison& c) {
 }
 
 // Pictures are encoded before any is written: a refusal then leaves none.
-Json writePictures(const Options& options, const Picture& a, const Picture& b, const Comparison& comparison) {
+Json writePictures(const Options& options, FileBatch& batch, const Picture& a, const Picture& b, const Comparison& comparison) {
     Json written = Json::array();
     const LayerDifference* layer = shown(comparison);
     if (layer == nullptr || (options.output.empty() && options.heat.empty())) return written;
@@ -210,7 +211,7 @@ Json writePictures(const Options& options, const Picture& a, const Picture& b, c
         written.push_back(
             {{"path", options.heat}, {"shows", what}, {"plane", layer->name}, {"brightest", picture.brightest}});
     }
-    for (const auto& [path, bytes] : files) writeFileAtomically(path, bytes, options.noClobber);
+    for (const auto& [path, bytes] : files) batch.add(path, bytes, options.noClobber);
     return written;
 }
 
@@ -259,7 +260,8 @@ Exit diffCommand(const Options& options) {
     for (const GateResult& r : results)
         if (!r.held) faults.push_back(gateText(r));
 
-    const Json written = comparison.sameSize ? writePictures(options, a, b, comparison) : Json::array();
+    FileBatch batch;
+    const Json written = comparison.sameSize ? writePictures(options, batch, a, b, comparison) : Json::array();
     const std::string nameA = printable(a.path), nameB = printable(b.path);
     std::string text = fmt::format("{} against {}: {}\n", nameA, nameB, comparison.equal() ? "equal" : "DIFFERS");
     for (const LayerDifference& d : comparison.layers) text += textOf(d, nameA, nameB, how.pixelsPerDegree);
@@ -270,10 +272,7 @@ Exit diffCommand(const Options& options) {
                         w["shows"].get<std::string>(), w["plane"].get<std::string>(),
                         w.contains("gain_exponent") ? fmt::format(", times 2^{}", w["gain_exponent"].get<int>()) : "");
     // Standard output is taken by the picture of -o - or by --json.
-    if (options.output != "-" && !(options.json && options.jsonFile.empty()))
-        printData(text);
-    else if (options.verbose != 0)
-        say(options, text.substr(0, text.size() - 1));
+    const bool printed = options.output != "-" && !(options.json && options.jsonFile.empty());
 
     Json json;
     json["tool"] = toolJson();
@@ -290,7 +289,8 @@ Exit diffCommand(const Options& options) {
     for (const GateResult& r : results) json["gates"].push_back(gateJson(r));
     json["faults"] = faults;
     json["written"] = written;
-    writeJson(options, {json});
+    finish(options, batch, printed ? text : "", {json});
+    if (!printed && options.verbose != 0) say(options, text.substr(0, text.size() - 1));
     for (const std::string& fault : faults) say(options, fmt::format("plumb: {}", fault));
     return faults.empty() ? Exit::done : Exit::overGate;
 }

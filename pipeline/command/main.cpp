@@ -40,16 +40,24 @@ int fail(plumb::Exit exit, const char* message) {
     return int(exit);
 }
 
+// A report is a part of what a command makes: when its reader leaves and files were asked for, that is a failure. A text alone is cut where its reader has had enough.
+bool makesFiles(const plumb::Options& options) {
+    return !options.output.empty() || !options.heat.empty() || !options.jsonFile.empty() || !options.csvFile.empty();
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
     occupyStandardStreams();
     plumb::catchInterrupts();
+    plumb::Options options;
     try {
-        return int(run(plumb::parseOptions({arguments + (count > 0 ? 1 : 0), arguments + count})));
+        options = plumb::parseOptions({arguments + (count > 0 ? 1 : 0), arguments + count});
+        return int(run(options));
     } catch (const plumb::Error& error) {
         // A renderer that was told to stop says so; which signal told it is known here.
         if (error.exit() == plumb::Exit::interrupted && plumb::interruptedBy() != 0) return fail(plumb::Exit(128 + plumb::interruptedBy()), error.what());
+        if (error.exit() == plumb::kReaderLeft) return makesFiles(options) ? fail(plumb::Exit::failed, error.what()) : int(error.exit());
         return fail(error.exit(), error.what());
     } catch (const std::bad_alloc&) {
         return fail(plumb::Exit::failed, "out of memory");

@@ -7,6 +7,7 @@
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
 #include "pipeline/command/views.h"
+#include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/measure/measure.h"
 #include "pipeline/report/report.h"
@@ -323,19 +324,15 @@ Exit measureCommand(const Options& options) {
         fmt::format("{} {}x{} on {}", printable(options.inputs[0]), size.x, size.y, renderer.name());
     const std::string table = tableOf(m, title, load), csv = options.csv ? csvOf(m) : "";
     const bool dataElsewhere = (options.json && options.jsonFile.empty()) || (options.csv && options.csvFile.empty());
-    if (!dataElsewhere)
-        printData(table);
-    else
-        say(options, table.substr(0, table.size() - 1));
-    if (options.csv && options.csvFile.empty()) printData(csv);
-    if (options.csv && !options.csvFile.empty())
-        writeFileAtomically(options.csvFile, std::as_bytes(std::span(csv)), options.noClobber);
+    FileBatch files;
+    if (options.csv && !options.csvFile.empty()) files.add(options.csvFile, std::as_bytes(std::span(csv)), options.noClobber);
     const Json json = measurementJson(m, contextJson(renderer, scene, sources, plan, m, load));
     if (!options.output.empty()) {
         const std::string html = htmlOf(m, json);
-        writeFileAtomically(options.output, std::as_bytes(std::span(html)), options.noClobber);
+        files.add(options.output, std::as_bytes(std::span(html)), options.noClobber);
     }
-    writeJson(options, {json});
+    finish(options, files, (dataElsewhere ? "" : table) + (options.csv && options.csvFile.empty() ? csv : ""), {json});
+    if (dataElsewhere) say(options, table.substr(0, table.size() - 1));
     return Exit::done;
 }
 

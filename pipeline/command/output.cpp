@@ -2,27 +2,61 @@
 // What leaves the program: data on standard output, words on standard error, reports as JSON, and what the tool is.
 #include "pipeline/command/command.h"
 #include "pipeline/command/version.h"
-#include "pipeline/image/image.h"
+#include "pipeline/image/file_batch.h"
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <poll.h>
 #include <span>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 namespace plumb {
 
-void printData(const std::string& text) { writeFileAtomically("-", std::as_bytes(std::span(text)), false); }
+namespace {
+
+[[noreturn]] void refuseOutput(int error) {
+    const std::string message = fmt::format("cannot write standard output: {}", std::strerror(error));
+    throw error == EPIPE ? Error(kReaderLeft, message) : renderError(message);
+}
+
+bool toStandardOutput(const Options& options) { return options.json && options.jsonFile.empty(); }
+
+}  // namespace
+
+void printData(const std::string& text) {
+    for (size_t done = 0; done < text.size();) {
+        const ssize_t n = ::write(STDOUT_FILENO, text.data() + done, text.size() - done);
+        if (n < 0 && errno != EINTR) refuseOutput(errno);
+        if (n > 0) done += size_t(n);
+    }
+}
+
+void expectReader() {
+    const int mode = ::fcntl(STDOUT_FILENO, F_GETFL);
+    if (mode < 0 || (mode & O_ACCMODE) == O_RDONLY) refuseOutput(EBADF);  // closed by the caller: main() has put /dev/null there
+    pollfd output{STDOUT_FILENO, POLLOUT, 0};
+    if (::poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0) refuseOutput(EPIPE);
+}
+
+void finish(const Options& options, FileBatch& files, const std::string& text, const std::vector<Json>& objects) {
+    std::string json;
+    if (options.json)  // paths may hold bytes that are not UTF-8; JSON may not
+        json = (objects.size() == 1 ? objects[0] : Json(objects)).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    if (options.json && !options.jsonFile.empty()) files.add(options.jsonFile, std::as_bytes(std::span(json)), options.noClobber);
+    files.place();
+    printData(text);
+    if (toStandardOutput(options)) printData(json);
+    files.keep();
+}
 
 void writeJson(const Options& options, const std::vector<Json>& objects) {
-    if (!options.json) return;
-    const Json json = objects.size() == 1 ? objects[0] : Json(objects);
-    // Paths may hold bytes that are not UTF-8; JSON may not.
-    const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-    if (options.jsonFile.empty())
-        printData(text);
-    else
-        writeFileAtomically(options.jsonFile, std::as_bytes(std::span(text)), options.noClobber);
+    FileBatch file;
+    finish(options, file, "", objects);
 }
 
 // fmt::print throws when standard error is full, closed or has no reader. Words for people never end a run.

@@ -2,6 +2,7 @@
 #include "pipeline/command/output_plan.h"
 
 #include "pipeline/image/image.h"
+#include "pipeline/scene/extension.h"
 #include "pipeline/scene/text.h"
 
 #include <cstdint>
@@ -18,7 +19,7 @@ namespace plumb {
 namespace {
 
 std::string extensionOf(const std::string& path) {
-    return path == "-" ? ".png" : std::filesystem::path(path).extension().string();
+    return path == "-" ? ".png" : lowerExtension(path);
 }
 
 void checkContents(const OutputFile& file, const Options& options) {

@@ -9,6 +9,7 @@
 #include "pipeline/command/request.h"
 #include "pipeline/command/stereo.h"
 #include "pipeline/command/views.h"
+#include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/measure/axes.h"
 #include "pipeline/scene/text.h"
@@ -82,7 +83,7 @@ std::string explained(const Plan& plan) {
 }
 
 // `eye`: of a stereo pair; else every file is of this picture.
-void writePicture(const std::vector<OutputFile>& files, const Frame& frame, const OutputPlan& plan, const Options& options, const RenderRequest& request,
+void writePicture(FileBatch& batch, const std::vector<OutputFile>& files, const Frame& frame, const OutputPlan& plan, const Options& options, const RenderRequest& request,
                   const Metadata& metadata, std::optional<Eye> eye = std::nullopt) {
     for (const OutputFile& file : files) {
         if (file.eye != eye) continue;
@@ -99,11 +100,11 @@ void writePicture(const std::vector<OutputFile>& files, const Frame& frame, cons
         if (file.field) own["field"] = *file.field == Field::odd ? "odd: lines 1, 3, 5, ... of the picture" : "even: lines 2, 4, 6, ... of the picture";
         if (file.inks) own["ink"] = std::string(namesOf(*file.inks)[file.ink]) + ": 255 is full ink";
         if (!file.field && !file.inks) {
-            writeFrame(file.path, frame, planes, write, own);
+            batch.addFrame(file.path, frame, planes, write, own);
             continue;
         }
         const Frame field = file.field ? fieldOf(frame, *file.field) : frame;
-        writeFrame(file.path, file.inks ? separationOf(field, *file.inks, file.ink) : field, planes, write, own);
+        batch.addFrame(file.path, file.inks ? separationOf(field, *file.inks, file.ink) : field, planes, write, own);
     }
 }
 
@@ -155,6 +156,8 @@ Exit renderCommand(const Options& options) {
     const auto start = Clock::now();
     if (options.output.empty() && !options.explain) throw usageError("-o FILE is missing");
     if (!options.output.empty()) filledIn(options.output, {});
+    // What can be refused before a mesh is read.
+    if (!options.output.empty() && options.output.find('{') == std::string::npos) checkWritable(options.output, options.noClobber);
 
     // Opening a device costs more than loading a small scene, and neither needs the other. A refused input is told first.
     const bool draws = !options.output.empty();
@@ -208,6 +211,15 @@ Exit renderCommand(const Options& options) {
     Exit verdict = Exit::done;
     std::vector<Json> reports;
     std::vector<Frame> cells;
+    // Pictures that are finished wait for one another, because they are synced together; so do the lines that name them.
+    FileBatch batch;
+    std::vector<std::string> lines;
+    const bool reportOnOutput = options.json && options.jsonFile.empty();
+    if (reportOnOutput) expectReader();
+    const auto sayLines = [&] {
+        for (const std::string& line : lines) say(options, line);
+        lines.clear();
+    };
     for (size_t i = 0; i < views.size(); ++i) {
         stopIfInterrupted();
         const auto pictureStart = Clock::now();
@@ -271,8 +283,8 @@ Exit renderCommand(const Options& options) {
             cells.push_back(std::move(result.frame));
         } else if (!refused) {
             const Metadata metadata = metadataOf(sources, request, views[i], stereo);
-            writePicture(plan.files[i], result.frame, plan, options, request, metadata, secondEye ? std::optional(Eye::left) : std::nullopt);
-            if (secondEye) writePicture(plan.files[i], secondEye->frame, plan, options, request, metadata, Eye::right);
+            writePicture(batch, plan.files[i], result.frame, plan, options, request, metadata, secondEye ? std::optional(Eye::left) : std::nullopt);
+            if (secondEye) writePicture(batch, plan.files[i], secondEye->frame, plan, options, request, metadata, Eye::right);
         }
         const double writeMs = millisecondsSince(writeStart);
         if (options.json) {
@@ -294,10 +306,14 @@ Exit renderCommand(const Options& options) {
         }
         const std::string where = refused ? "nothing written" : plan.sheet ? printable(views[i].name) : namesOf(plan.files[i]);
         const std::string form = stereo.form == StereoForm::none ? "" : fmt::format(" {}", nameOf(stereo.form));
-        say(options, fmt::format("{}: {}x{} {}{}{}, {}, {:.1f} ms on {}", where, drawnSize.x, drawnSize.y, nameOf(request.shading), form, options.interlace ? " in two fields" : "",
+        lines.push_back(fmt::format("{}: {}x{} {}{}{}, {}, {:.1f} ms on {}", where, drawnSize.x, drawnSize.y, nameOf(request.shading), form, options.interlace ? " in two fields" : "",
                                  contentOf(scene, result.counters), result.totalMs, renderer->name()));
         if (options.verbose != 0)
-            for (const PassTime& time : result.times) say(options, fmt::format("  {:<12} {:9.3f} ms  {} dispatches", time.pass, time.ms, time.dispatches));
+            for (const PassTime& time : result.times) lines.push_back(fmt::format("  {:<12} {:9.3f} ms  {} dispatches", time.pass, time.ms, time.dispatches));
+        if (i + 1 == views.size() || !batch.due()) continue;
+        if (reportOnOutput) expectReader();
+        batch.commit();
+        sayLines();
     }
     if (plan.sheet && verdict == Exit::done) {
         const glm::vec3& b = request.background;
@@ -307,10 +323,11 @@ Exit renderCommand(const Options& options) {
         std::string names;
         for (const Viewpoint& view : views) names += (names.empty() ? "" : " ") + view.name;
         metadata["views"] = names;
-        writePicture(plan.files[0], sheet, plan, options, request, metadata);
-        say(options, fmt::format("{}: {} views, {}x{}", printable(plan.files[0][0].path), views.size(), sheet.width, sheet.height));
+        writePicture(batch, plan.files[0], sheet, plan, options, request, metadata);
+        lines.push_back(fmt::format("{}: {} views, {}x{}", printable(plan.files[0][0].path), views.size(), sheet.width, sheet.height));
     }
-    writeJson(options, reports);
+    finish(options, batch, "", reports);
+    sayLines();
     return verdict;
 }
 

@@ -6,6 +6,7 @@
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
 #include "pipeline/command/views.h"
+#include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/scene/text.h"
 
@@ -43,7 +44,7 @@ Frame differenceOf(const Frame& a, const Frame& b) {
 }
 
 // -o FOLDER: FOLDER/twin.png; -o FOLDER/NAME.png: FOLDER/NAME.twin.png. With several pictures, each has its own number.
-std::vector<std::string> writeEvidence(const Options& options, const VerifyReport& report, size_t number, size_t count, bool transparent) {
+std::vector<std::string> writeEvidence(const Options& options, FileBatch& files, const VerifyReport& report, size_t number, size_t count, bool transparent) {
     std::vector<std::string> written;
     if (options.output.empty()) return written;
     const fs::path output = options.output;
@@ -53,7 +54,7 @@ std::vector<std::string> writeEvidence(const Options& options, const VerifyRepor
     write.alpha = transparent;
     const auto put = [&](const char* name, const Frame& frame) {
         const fs::path path = (folder ? output : output.parent_path()) / (prefix + name);
-        writeFrame(path, frame, kPlaneColour, write, {{"Software", fmt::format("plumb {} verify", versionText())}});
+        files.addFrame(path, frame, kPlaneColour, write, {{"Software", fmt::format("plumb {} verify", versionText())}});
         written.push_back(path.string());
     };
     put("twin.png", report.twin.frame);
@@ -122,6 +123,14 @@ Exit verifyCommand(const Options& options) {
     Progress progress(options.progress, options.quiet);
     Exit verdict = Exit::done;
     std::vector<Json> reports;
+    FileBatch files;                 // evidence
+    std::vector<std::string> texts;  // said when the files that they name are there
+    const bool reportOnOutput = options.json && options.jsonFile.empty();
+    if (reportOnOutput) expectReader();
+    const auto sayTexts = [&] {
+        for (const std::string& text : texts) say(options, text);
+        texts.clear();
+    };
     for (size_t i = 0; i < options.inputs.size(); ++i) {
         stopIfInterrupted();
         Options one = options;
@@ -148,13 +157,21 @@ Exit verifyCommand(const Options& options) {
             if (!report.equal) verdict = Exit::overGate;
             if (report.twin.frame.coveredPixels == 0 && report.device.frame.coveredPixels == 0) say(options, nothingSeen(report.twin.counters));
             const std::vector<std::string> written =
-                report.equal ? std::vector<std::string>() : writeEvidence(options, report, i * views.size() + v, options.inputs.size() * views.size(), request.transparent);
+                report.equal ? std::vector<std::string>() : writeEvidence(options, files, report, i * views.size() + v, options.inputs.size() * views.size(), request.transparent);
             const std::string title = fmt::format("{}{}{} {}x{} {}", printable(one.inputs[0]), views[v].name.empty() ? "" : " ", views[v].name, size.x, size.y, nameOf(request.shading));
             const std::string text = textOf(title, report, written);
-            if (!options.json || !options.jsonFile.empty())
+            if (!reportOnOutput) {
+                files.place();
                 printData(text);
-            else
-                say(options, text.substr(0, text.size() - 1));
+                files.keep();
+            } else {
+                texts.push_back(text.substr(0, text.size() - 1));
+                if (files.due()) {
+                    expectReader();
+                    files.commit();
+                }
+                if (files.empty()) sayTexts();
+            }
             if (!options.json) continue;
             Json json;
             json["tool"] = toolJson();
@@ -173,7 +190,8 @@ Exit verifyCommand(const Options& options) {
             reports.push_back(std::move(json));
         }
     }
-    writeJson(options, reports);
+    finish(options, files, "", reports);
+    sayTexts();
     return verdict;
 }
 

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Files that are whole or absent: temporary file in the same folder, synced, renamed (docs/outputs.md).
+// Files that are whole or absent: temporary files in the same folder, synced together, then named (docs/outputs.md).
 #include "host/error.h"
+#include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
+#include "pipeline/passes/parallel.h"
+#include "pipeline/scene/extension.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <atomic>
 #include <cerrno>
 #include <cstddef>
@@ -13,9 +18,12 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/core.h>
-#include <mutex>
+#include <memory>
+#include <set>
 #include <span>
 #include <string>
+#include <sys/random.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -27,78 +35,82 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The one temporary file that exists at a time, as a path that a signal handler may unlink.
-std::mutex writing;
-char temporaryPath[4096];
-std::atomic<bool> temporaryExists{false};
+// A batch holds a descriptor a file. Syncing 256 files costs little more than syncing one, and so many are lost at most.
+constexpr size_t kMostFiles = 256;
+constexpr uint64_t kMostBytes = uint64_t(256) << 20;
+constexpr std::chrono::seconds kMostWait{5};
+constexpr uint32_t kSyncThreads = 8;  // the file system gathers what is synced at once into one commit of its journal
+constexpr int kMostNames = 100;       // random ones; more that exist already are no chance
 
 [[noreturn]] void fail(const fs::path& path, const char* doing) {
     throw renderError(fmt::format("cannot write '{}': {}: {}", path.string(), doing, std::strerror(errno)));
 }
 
+// A call that a signal interrupted is made again.
+template <class Call>
+auto retried(const Call& call) {
+    for (;;) {
+        const auto result = call();
+        if (result != -1 || errno != EINTR) return result;
+    }
+}
+
+int closeFile(int fd) {  // Linux has closed it even when it was interrupted
+    const int rc = ::close(fd);
+    return rc != 0 && errno == EINTR ? 0 : rc;
+}
+
 // write(2) may be short or interrupted; an error is left in errno.
 bool writeAll(int fd, std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
-        const ssize_t n = ::write(fd, bytes.data(), std::min<size_t>(bytes.size(), size_t(1) << 24));
-        if (n < 0 && errno == EINTR) continue;
+        const ssize_t n = retried([&] { return ::write(fd, bytes.data(), std::min<size_t>(bytes.size(), size_t(1) << 24)); });
         if (n < 0) return false;
         bytes = bytes.subspan(size_t(n));
     }
     return true;
 }
 
-// Owns the temporary file: unlinked unless it was renamed.
-class Temporary {
-public:
-    Temporary(const fs::path& folder, const fs::path& target, mode_t mode) : target_(target) {
-        for (int attempt = 0; attempt < 100; ++attempt) {
-            // A short name of its own: the target's name may already be as long as the file system allows.
-            path_ = folder / fmt::format(".plumb-{}-{}.part", ::getpid(), attempt);
-            if (path_.native().size() >= sizeof temporaryPath) {
-                errno = ENAMETOOLONG;
-                break;
-            }
-            fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-            if (fd_ >= 0 || errno != EEXIST) break;
-        }
-        if (fd_ < 0) fail(target_, "creating a temporary file");
-        std::memcpy(temporaryPath, path_.c_str(), path_.native().size() + 1);
-        temporaryExists = true;
-    }
-    Temporary(const Temporary&) = delete;
-    Temporary& operator=(const Temporary&) = delete;
-    ~Temporary() {
-        if (fd_ >= 0) ::close(fd_);
-        if (!path_.empty()) ::unlink(path_.c_str());
-        temporaryExists = false;
-    }
-    int fd() const { return fd_; }
-    void close() {
-        const int fd = std::exchange(fd_, -1);
-        if (::close(fd) != 0) fail(target_, "closing");
-    }
-    void moveTo(const fs::path& target, bool noClobber) {
-        if (::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target.c_str(), noClobber ? RENAME_NOREPLACE : 0) == 0) {
-            path_.clear();
-            return;
-        }
-        // File systems without RENAME_NOREPLACE: link(2) refuses an existing name as well, and the destructor takes the temporary one away.
-        if (noClobber && errno != EEXIST && ::link(path_.c_str(), target.c_str()) == 0) return;
-        if (noClobber && errno == EEXIST) throw usageError(fmt::format("--no-clobber: '{}' exists", target_.string()));
-        fail(target_, "renaming the finished file");
-    }
-
-private:
-    fs::path target_, path_;
-    int fd_ = -1;
+// Temporary files with a name, as paths that a signal handler may unlink. A slot is taken, filled, and then shown.
+struct NameSlot {
+    std::atomic<bool> taken{false}, shown{false};
+    char path[4096];
 };
+std::array<NameSlot, kMostFiles + 1> temporaryNames;
+
+NameSlot* showName(const fs::path& path) {
+    for (NameSlot& slot : temporaryNames) {
+        if (slot.taken.exchange(true)) continue;
+        if (path.native().size() >= sizeof slot.path) {
+            slot.taken = false;
+            return nullptr;
+        }
+        std::memcpy(slot.path, path.c_str(), path.native().size() + 1);
+        slot.shown = true;
+        return &slot;
+    }
+    return nullptr;
+}
+
+void hideName(NameSlot*& slot) {
+    if (slot == nullptr) return;
+    slot->shown = false;
+    slot->taken = false;
+    slot = nullptr;
+}
+
+// Short and random: the target's name may already be as long as the file system allows, and what a killed process left is never met again.
+fs::path randomName(const fs::path& folder) {
+    uint64_t number = 0;
+    if (retried([&] { return ::getrandom(&number, sizeof number, 0); }) != sizeof number) fail(folder, "asking for random bytes");
+    return folder / fmt::format(".plumb-{:016x}.part", number);
+}
 
 void syncFolder(const fs::path& folder, const fs::path& target) {
-    const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const int fd = retried([&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
     if (fd < 0) return;  // a folder may be writable and not readable; the file itself is synced
-    const int rc = ::fsync(fd);
+    const int rc = retried([&] { return ::fsync(fd); });
     const int error = errno;
-    ::close(fd);
+    closeFile(fd);
     if (rc != 0 && error != EINVAL && error != EROFS) {
         errno = error;
         fail(target, "syncing the folder");
@@ -117,14 +129,204 @@ fs::path followLinks(fs::path path) {
     return path;
 }
 
-void writeStream(int fd, const fs::path& name, std::span<const std::byte> bytes) {
-    if (!writeAll(fd, bytes)) fail(name, "writing");
+fs::path folderOf(const fs::path& target) { return target.has_parent_path() ? target.parent_path() : fs::path("."); }
+
+size_t mostFiles() {
+    constexpr rlim_t kForOthers = 64;  // drivers, meshes, standard streams
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur > kMostFiles + kForOthers) return kMostFiles;
+    return limit.rlim_cur <= kForOthers ? 1 : size_t(limit.rlim_cur - kForOthers);
 }
 
 }  // namespace
 
+// A file on its way to `target`. Where the file system permits it has no name until it is placed, so that nothing is left of a killed process.
+struct FileBatch::Staged {
+    fs::path shown, target, folder;
+    fs::path name;              // of the temporary file; after placing, of what was replaced
+    NameSlot* slot = nullptr;
+    int fd = -1;
+    bool noClobber = false;
+    bool placed = false;        // `target` is the new file
+    bool holdsOld = false;      // `name` is the file that was replaced
+
+    Staged() = default;
+    Staged(const Staged&) = delete;
+    Staged& operator=(const Staged&) = delete;
+    ~Staged() {
+        if (fd >= 0) closeFile(fd);
+        dropName();
+    }
+
+    void dropName() noexcept {
+        if (!name.empty()) ::unlink(name.c_str());
+        hideName(slot);
+        name.clear();
+    }
+
+    template <class Make>  // make(path): -1 and EEXIST when the name is taken
+    int named(const Make& make) {
+        for (int attempt = 0; attempt < kMostNames; ++attempt) {
+            const fs::path candidate = randomName(folder);
+            const int result = retried([&] { return make(candidate); });
+            if (result != -1) {
+                name = candidate;
+                slot = showName(name);
+                return result;
+            }
+            if (errno != EEXIST) break;
+        }
+        return -1;
+    }
+
+    bool open(mode_t mode) {
+        // A nameless file is linked through /proc.
+        static const bool mayBeNameless = ::access("/proc/self/fd", X_OK) == 0;
+        if (mayBeNameless) fd = retried([&] { return ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, mode); });
+        if (fd >= 0 || (mayBeNameless && (errno == EMFILE || errno == ENFILE))) return fd >= 0;
+        fd = named([&](const fs::path& path) { return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); });
+        return fd >= 0;
+    }
+
+    int link(const fs::path& to) const {
+        return ::linkat(AT_FDCWD, fmt::format("/proc/self/fd/{}", fd).c_str(), AT_FDCWD, to.c_str(), AT_SYMLINK_FOLLOW);
+    }
+
+    // Under the target's name; what stood there is kept under the temporary one, where the file system can exchange names.
+    void place() {
+        const auto exchange = [&](unsigned flags) { return retried([&] { return ::renameat2(AT_FDCWD, name.c_str(), AT_FDCWD, target.c_str(), flags); }) == 0; };
+        struct stat st{};
+        const bool exists = ::lstat(target.c_str(), &st) == 0;
+        if (exists && noClobber) refuseToReplace();
+        if (!exists) {
+            if (name.empty() ? retried([&] { return link(target); }) == 0 : exchange(RENAME_NOREPLACE)) return done(false);
+            // File systems without RENAME_NOREPLACE: link(2) refuses an existing name as well.
+            if (!name.empty() && errno == EINVAL && retried([&] { return ::link(name.c_str(), target.c_str()); }) == 0) {
+                dropName();
+                return done(false);
+            }
+            if (errno == EEXIST && noClobber) refuseToReplace();
+            if (errno != EEXIST) fail(shown, "naming the finished file");
+        }
+        if (name.empty() && named([&](const fs::path& path) { return link(path); }) == -1) fail(shown, "naming the finished file");
+        if (exchange(RENAME_EXCHANGE)) return done(true);
+        if (!exchange(0)) fail(shown, "renaming the finished file");
+        hideName(slot);
+        name.clear();
+        replacedForGood = true;
+        done(false);
+    }
+
+    void undo() noexcept {
+        if (!placed || replacedForGood) return;
+        if (holdsOld)
+            (void)::rename(name.c_str(), target.c_str());
+        else
+            ::unlink(target.c_str());
+        if (holdsOld) hideName(slot);
+        if (holdsOld) name.clear();
+        placed = holdsOld = false;
+    }
+
+    bool replacedForGood = false;  // no exchange of names here
+
+private:
+    void done(bool old) {
+        placed = true;
+        holdsOld = old;
+        if (!old && !name.empty()) {  // renamed: the name is no longer ours
+            hideName(slot);
+            name.clear();
+        }
+    }
+    [[noreturn]] void refuseToReplace() const { throw usageError(fmt::format("--no-clobber: '{}' exists", shown.string())); }
+};
+
+FileBatch::FileBatch() = default;
+FileBatch::~FileBatch() { undo(); }
+
+void FileBatch::undo() noexcept {
+    while (!staged_.empty()) {
+        staged_.back()->undo();
+        staged_.pop_back();
+    }
+    bytes_ = 0;
+    placed_ = false;
+}
+
+bool FileBatch::due() const {
+    static const size_t most = mostFiles();
+    return staged_.size() >= most || bytes_ >= kMostBytes || (!staged_.empty() && std::chrono::steady_clock::now() - first_ >= kMostWait);
+}
+
+void FileBatch::add(const fs::path& path, std::span<const std::byte> bytes, bool noClobber) {
+    PLUMB_ASSERT(!placed_);
+    if (path == "-") {
+        if (!writeAll(STDOUT_FILENO, bytes)) fail("standard output", "writing");
+        return;
+    }
+    checkWritable(path, noClobber);
+    const fs::path target = followLinks(path);
+    struct stat st{};
+    const bool exists = ::stat(target.c_str(), &st) == 0;
+    if (exists && !S_ISREG(st.st_mode)) {  // a device or FIFO cannot be replaced by a rename without destroying it
+        const int fd = retried([&] { return ::open(target.c_str(), O_WRONLY | O_CLOEXEC); });
+        if (fd < 0) fail(path, "opening");
+        const bool written = writeAll(fd, bytes);
+        const int error = errno;
+        const bool closed = closeFile(fd) == 0;
+        if (!written) errno = error;
+        if (!written || !closed) fail(path, "writing");
+        return;
+    }
+    auto staged = std::make_unique<Staged>();
+    staged->shown = path;
+    staged->target = target;
+    staged->folder = folderOf(target);
+    staged->noClobber = noClobber;
+    if (!staged->open(0666)) {
+        // No descriptor is left: those that wait are finished first.
+        if ((errno != EMFILE && errno != ENFILE) || staged_.empty()) fail(path, "creating a temporary file");
+        commit();
+        if (!staged->open(0666)) fail(path, "creating a temporary file");
+    }
+    if (exists) (void)::fchmod(staged->fd, st.st_mode & 07777);
+    if (!writeAll(staged->fd, bytes)) fail(path, "writing");
+    if (staged_.empty()) first_ = std::chrono::steady_clock::now();
+    bytes_ += bytes.size();
+    staged_.push_back(std::move(staged));
+}
+
+void FileBatch::place() {
+    if (placed_ || staged_.empty()) return;
+    try {
+        parallelBands(staged_.size(), 1, uint32_t(std::min<size_t>(staged_.size(), kSyncThreads)), [&](uint64_t first, uint64_t end) {
+            for (; first < end; ++first)
+                if (retried([&] { return ::fsync(staged_[first]->fd); }) != 0 && errno != EINVAL) fail(staged_[first]->shown, "syncing");
+        });
+        std::set<fs::path> folders;
+        for (const auto& staged : staged_) staged->place();
+        for (const auto& staged : staged_) {
+            if (closeFile(std::exchange(staged->fd, -1)) != 0) fail(staged->shown, "closing");
+            if (folders.insert(staged->folder).second) syncFolder(staged->folder, staged->shown);
+        }
+    } catch (...) {
+        undo();
+        throw;
+    }
+    placed_ = true;
+}
+
+void FileBatch::keep() noexcept {
+    PLUMB_ASSERT(placed_ || staged_.empty());
+    staged_.clear();  // each takes what it replaced away
+    bytes_ = 0;
+    placed_ = false;
+}
+
 void removeTemporaryFile() noexcept {
-    if (temporaryExists) ::unlink(temporaryPath);
+    for (NameSlot& slot : temporaryNames)
+        if (slot.shown) ::unlink(slot.path);
 }
 
 void checkWritable(const fs::path& path, bool noClobber) {
@@ -136,39 +338,23 @@ void checkWritable(const fs::path& path, bool noClobber) {
         if (noClobber) throw usageError(fmt::format("--no-clobber: '{}' exists", path.string()));
         if (!S_ISREG(st.st_mode)) return;
     }
-    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-    if (::access(folder.c_str(), W_OK | X_OK) != 0) fail(path, "opening its folder");
+    if (::access(folderOf(target).c_str(), W_OK | X_OK) != 0) fail(path, "opening its folder");
 }
 
 void writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes, bool noClobber) {
-    if (path == "-") return writeStream(STDOUT_FILENO, "standard output", bytes);
-    checkWritable(path, noClobber);
-    const fs::path target = followLinks(path);
-    struct stat st{};
-    const bool exists = ::stat(target.c_str(), &st) == 0;
-    if (exists && !S_ISREG(st.st_mode)) {  // a device or FIFO cannot be replaced by a rename without destroying it
-        const int fd = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
-        if (fd < 0) fail(path, "opening");
-        const bool written = writeAll(fd, bytes);
-        const int error = errno;
-        const bool closed = ::close(fd) == 0;
-        if (!written) errno = error;
-        if (!written || !closed) fail(path, "writing");
-        return;
-    }
-    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-    const std::lock_guard turn(writing);
-    Temporary temporary(folder, path, 0666);
-    if (exists) (void)::fchmod(temporary.fd(), st.st_mode & 07777);
-    if (!writeAll(temporary.fd(), bytes)) fail(path, "writing");
-    if (::fsync(temporary.fd()) != 0 && errno != EINVAL) fail(path, "syncing");
-    temporary.close();
-    temporary.moveTo(target, noClobber);
-    syncFolder(folder, path);
+    FileBatch alone;
+    alone.add(path, bytes, noClobber);
+    alone.commit();
 }
 
 void writeFrame(const fs::path& path, const Frame& frame, uint32_t planes, const WriteOptions& options, const Metadata& metadata) {
-    const std::string extension = path == "-" ? ".png" : path.extension().string();
+    FileBatch alone;
+    alone.addFrame(path, frame, planes, options, metadata);
+    alone.commit();
+}
+
+void FileBatch::addFrame(const fs::path& path, const Frame& frame, uint32_t planes, const WriteOptions& options, const Metadata& metadata) {
+    const std::string extension = path == "-" ? ".png" : lowerExtension(path);
     std::vector<std::byte> bytes;
     if (extension == ".png") {
         bytes = encodePng(frame, options, metadata);
@@ -180,7 +366,7 @@ void writeFrame(const fs::path& path, const Frame& frame, uint32_t planes, const
     } else {
         throw usageError(fmt::format("'{}': pictures are written as .png, .exr or .npy", path.string()));
     }
-    writeFileAtomically(path, bytes, options.noClobber);
+    add(path, bytes, options.noClobber);
 }
 
 }  // namespace plumb

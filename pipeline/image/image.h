@@ -31,7 +31,7 @@ struct WriteOptions {
 void writeFileAtomically(const std::filesystem::path&, std::span<const std::byte>, bool noClobber);
 // The refusals of writeFileAtomically that can be known before anything is rendered.
 void checkWritable(const std::filesystem::path&, bool noClobber);
-// Unlinks the temporary file of a write in progress. Async-signal-safe; the process must end right after.
+// Unlinks the temporary files that have names. Async-signal-safe; the process must end right after.
 void removeTemporaryFile() noexcept;
 std::vector<std::byte> encodePng(const Frame&, const WriteOptions&, const Metadata&);
 // Linear colour + chosen planes, float32/uint32: R G B [A], Z, distance, normal.X/Y/Z, object_id, primitive_id. kPlaneColour and

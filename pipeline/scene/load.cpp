@@ -2,6 +2,7 @@
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/plain_floats.h"
+#include "pipeline/scene/extension.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -23,21 +24,14 @@ struct MeshFormat {
 };
 constexpr std::array<MeshFormat, 4> kMeshFormats{{{".obj", readObj}, {".ply", readPly}, {".stl", readStl}, {".off", readOff}}};
 
-std::string extensionOf(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-    return extension;
-}
-
 const MeshFormat* meshFormatOf(const std::filesystem::path& path) {
     const auto found = std::find_if(kMeshFormats.begin(), kMeshFormats.end(),
-                                    [extension = extensionOf(path)](const MeshFormat& f) { return f.extension == extension; });
+                                    [extension = lowerExtension(path)](const MeshFormat& f) { return f.extension == extension; });
     return found == kMeshFormats.end() ? nullptr : &*found;
 }
 
 bool isGltf(const std::filesystem::path& path) {
-    const std::string extension = extensionOf(path);
+    const std::string extension = lowerExtension(path);
     return extension == ".gltf" || extension == ".glb";
 }
 
@@ -80,7 +74,7 @@ Scene loadScene(const std::vector<std::filesystem::path>& paths, const LoadOptio
     if (paths.empty()) throw usageError("no scene file is given");
     for (const std::filesystem::path& path : paths) {
         if (meshFormatOf(path)) continue;
-        if (!isGltf(path) && extensionOf(path) != ".toml") throw unknownFormat(path, ".obj, .ply, .stl, .off, .gltf, .glb, .toml");
+        if (!isGltf(path) && lowerExtension(path) != ".toml") throw unknownFormat(path, ".obj, .ply, .stl, .off, .gltf, .glb, .toml");
         if (paths.size() > 1) throw usageError(fmt::format("'{}' is a whole scene; only mesh files can be given together", printablePath(path)));
         return isGltf(path) ? readGltf(path, options) : readSceneToml(path, options);
     }

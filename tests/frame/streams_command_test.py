@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """What the command says and where: progress, streams that cannot be written, and files that agree with the exit code (docs/outputs.md).
 
-usage: streams_command_test.py PLUMB [unittest arguments]
+usage: streams_command_test.py PLUMB PLUMB_FAULTY [unittest arguments]   (PLUMB_FAULTY: tests/frame/faulty_renderer.cpp)
 """
 import json
 import os
@@ -12,7 +12,7 @@ import sys
 import tempfile
 import unittest
 
-PLUMB = os.path.abspath(sys.argv[1])
+PLUMB, FAULTY = (os.path.abspath(program) for program in sys.argv[1:3])
 CUBE = """v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1
 f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n"""
 SMALL = "--device twin --size 64x48"
@@ -35,7 +35,7 @@ class Streams(unittest.TestCase):
 
     def shell(self, line):
         """A line of bash in which `plumb` is the program; its own exit code is the result's last line on standard error."""
-        script = f'plumb() {{ "{PLUMB}" "$@"; }}\nset -o pipefail\n{line}'
+        script = f'plumb() {{ "{PLUMB}" "$@"; }}\nfaulty() {{ "{FAULTY}" "$@"; }}\nset -o pipefail\n{line}'
         return subprocess.run(["bash", "-c", script], cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=120, check=False)
 
 
@@ -66,6 +66,105 @@ class StandardError(Streams):
         done = self.shell(f"plumb render cube.obj {SMALL} -o a.png -v --progress plain 2>&- >&- <&-; plumb render cube.obj {SMALL} -o b.png -q")
         self.assertEqual(done.returncode, 0)
         self.assertEqual(self.read("a.png"), self.read("b.png"))
+
+
+class StandardOutput(Streams):
+    """Data that cannot be written: the files are as if the command had not run, and the exit code says so."""
+
+    COMMANDS = ((f"plumb render cube.obj {SMALL} -o a.png --json", ["a.png"]), (f"plumb render cube.obj {SMALL} --view front --view iso -o a.png --json", ["a.png"]),
+                (f"plumb render cube.obj {SMALL} --turntable 3 -o 'a{{n}}.png' --json", ["a0.png", "a1.png", "a2.png"]),
+                (f"plumb render cube.obj {SMALL} --aov depth,normal -o 'a{{aov}}.npy' --json", ["adepth.npy", "anormal.npy"]),
+                ("plumb diff x.png y.png -o a.png --heat b.png --json", ["a.png", "b.png"]), ("plumb diff x.png y.png -o a.png", ["a.png"]),
+                (f"plumb measure cube.obj {SMALL} --axis encoding --repetitions 2 -o a.html --csv=b.csv --json=c.json", ["a.html", "b.csv", "c.json"]),
+                (f"plumb measure cube.obj {SMALL} --axis encoding --repetitions 2 -o a.html --json", ["a.html"]),
+                ("PLUMB_FAULT=differs faulty verify cube.obj -o a.png --size 64x48 --json", [f"a.{side}.png" for side in ("device", "diff", "twin")]),
+                ("PLUMB_FAULT=differs faulty verify cube.obj -o a.png --size 64x48", [f"a.{side}.png" for side in ("device", "diff", "twin")]))
+
+    def setUp(self):
+        super().setUp()
+        done = self.shell(f"plumb render cube.obj {SMALL} -o x.png && plumb render cube.obj {SMALL} --shading unlit -o y.png")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def made(self):
+        return [name for name in super().made() if name not in ("x.png", "y.png")]
+
+    def test_nothing_new_and_everything_old_is_there(self):
+        for line, files in self.COMMANDS:
+            for broken in (">/dev/full", ">&-"):
+                for old in (False, True):
+                    for name in files if old else ():
+                        with open(os.path.join(self.folder, name), "w", encoding="utf-8") as f:
+                            f.write("old")
+                    done = self.shell(f"{line} {broken}")
+                    self.assertEqual((done.returncode, self.made()), (5, sorted(files) if old else []), (line, broken, old, done.stderr))
+                    self.assertIn(b"standard output", done.stderr)
+                    for name in files if old else ():
+                        self.assertEqual(self.read(name), b"old", (line, broken))
+                        os.remove(os.path.join(self.folder, name))
+
+    def test_a_reader_that_leaves_before_the_report(self):
+        # The reader may also have taken all before it left: then everything is there.
+        for line, files in self.COMMANDS:
+            done = self.shell(f"{line} | true")
+            self.assertIn((done.returncode, self.made()), ((5, []), (0, sorted(files)), (1, sorted(files))), (line, done.stderr))
+            for name in self.made():
+                os.remove(os.path.join(self.folder, name))
+            reading, writing = os.pipe()
+            os.close(reading)
+            with os.fdopen(writing, "wb") as left:
+                done = subprocess.run(["bash", "-c", f'plumb() {{ "{PLUMB}" "$@"; }}\nfaulty() {{ "{FAULTY}" "$@"; }}\n{line}'], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=left,
+                                      stderr=subprocess.PIPE, timeout=120, check=False)
+            self.assertEqual((done.returncode, self.made()), (5, []), (line, done.stderr))
+
+    def test_a_text_is_cut_in_silence(self):
+        for line in ("info " + " ".join(["cube.obj"] * 400), "help --man", "help render", "--version", "devices", "info cube.obj --json"):
+            reading, writing = os.pipe()
+            os.close(reading)
+            with os.fdopen(writing, "wb") as left:
+                done = subprocess.run([PLUMB, *line.split()], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=left, stderr=subprocess.PIPE, timeout=120, check=False)
+            self.assertEqual((done.returncode, done.stderr), (141, b""), line)
+            self.assertEqual(self.shell(f"plumb {line} >/dev/full").returncode, 5)
+        done = self.shell("plumb info " + " ".join(["cube.obj"] * 400) + " | head -1")
+        self.assertIn(done.returncode, (0, 141))
+        self.assertEqual(done.stderr, b"")
+
+    def test_a_picture_on_it_is_never_cut_in_silence(self):
+        reading, writing = os.pipe()
+        os.close(reading)
+        with os.fdopen(writing, "wb") as left:
+            done = subprocess.run([PLUMB, "render", "cube.obj", *SMALL.split(), "-o", "-"], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=left, stderr=subprocess.PIPE, timeout=120, check=False)
+        self.assertEqual(done.returncode, 5)
+        self.assertIn(b"Broken pipe", done.stderr)
+
+
+class Files(Streams):
+    def test_extensions_count_in_any_case(self):
+        shutil.copy(os.path.join(self.folder, "cube.obj"), os.path.join(self.folder, "CUBE.OBJ"))
+        for upper, lower in (("A.PNG", "a.png"), ("B.Npy", "b.npy"), ("C.EXR", "c.exr")):
+            for name in (upper, lower):
+                done = self.shell(f"plumb render CUBE.OBJ {SMALL} -o {name}")
+                self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(self.read(upper), self.read(lower))
+        self.assertEqual(self.shell("plumb diff A.PNG a.png -o D.PNG --heat E.PNG").returncode, 0)
+        self.assertEqual(self.shell(f"plumb measure cube.obj {SMALL} --axis encoding --repetitions 1 -o R.HTML").returncode, 0)
+
+    def test_an_unwritable_name_is_told_before_a_mesh_is_read(self):
+        # The mesh is not there: who read it first would say so.
+        for flags, code in (("-o x.jpg", 2), ("-o x", 2), ("-o .", 2), ("-o no/such/x.png", 5), ("-o 'x{n}.jpg' --turntable 3", 2)):
+            done = self.shell(f"plumb render missing.obj {SMALL} {flags}")
+            self.assertEqual(done.returncode, code, (flags, done.stderr))
+            self.assertNotIn(b"missing.obj", done.stderr)
+
+    def test_few_descriptors_are_enough(self):
+        done = self.shell(f"ulimit -n 12; plumb render cube.obj {SMALL} --turntable 40 --aov depth,normal,linear -o 'a{{n}}{{aov}}.npy'")
+        self.assertEqual((done.returncode, len(self.made())), (0, 120), done.stderr)
+
+    def test_what_a_killed_process_left_is_no_obstacle(self):
+        for i in range(100):
+            with open(os.path.join(self.folder, f".plumb-1-{i}.part"), "wb"):
+                pass
+        self.assertEqual(self.shell(f"plumb render cube.obj {SMALL} -o a.png").returncode, 0)
+        self.assertEqual(len(self.made()), 101)
 
 
 class Progress(Streams):
@@ -104,4 +203,4 @@ class Progress(Streams):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
