@@ -100,7 +100,6 @@ Family familyOf(uint64_t seed, uint64_t index, bool heldAgainstTruth) {
     f.meshes = 1 + dice.below(3);
     const std::string samples = fmt::format("--samples {}", dice.chance(0.7) ? 4 : 16);
     if (f.kind != Kind::notesSpheres && dice.chance(0.3)) f.flags.push_back(samples);
-    if (dice.chance(0.15)) f.flags.emplace_back("--background transparent");
     if (dice.chance(0.15)) f.settings.emplace_back("encoding = \"linear\"");
     const std::vector<const char*> shadings = {"phong", "phong", "phong", "gouraud", "gouraud", "flat", "flat", "unlit"};
     f.shading = dice.of(shadings);
@@ -250,6 +249,7 @@ public:
         s_.settings = family_.settings;
         s_.flags = family_.flags;
         s_.heldAgainstTruth = truth_;
+        if (!truth_ && dice_.chance(0.25)) s_.flags.emplace_back("--background transparent");  // no kernel is made for it
         static const std::vector<std::pair<uint32_t, uint32_t>> kSizes = {{63, 17}, {48, 36}, {64, 48}, {33, 65}, {17, 9}, {80, 45}, {16, 8}, {1, 1}, {1, 40}, {70, 1}, {97, 31}};
         std::tie(s_.width, s_.height) = dice_.of(kSizes);
         if (truth_) std::tie(s_.width, s_.height) = std::pair(24 + dice_.below(30), 20 + dice_.below(20));

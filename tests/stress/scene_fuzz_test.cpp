@@ -5,6 +5,7 @@
 //   PLUMB_FUZZ_SEED=n     another sequence (printed; scene i of seed n is the same scene always)
 //   PLUMB_FUZZ_SCENE=i    this one alone
 //   PLUMB_FUZZ_SCENES=n   so many
+//   PLUMB_FUZZ_FIND=1     ends with the first that fails, as it is
 //
 // A scene that fails is reduced and written beside this program, with the command that shows it.
 #include "tests/stress/scene_fuzz.h"
@@ -191,6 +192,7 @@ TEST_F(SceneFuzz, DeviceEqualsTwin) {
         if (r.outcome == Outcome::refused) ++refusals[r.what.substr(r.what.find_last_of(':') + 1)];
         if (!r.fails()) continue;
         ++failures;
+        if (std::getenv("PLUMB_FUZZ_FIND")) FAIL() << fmt::format("found by scene {}: {}: {}", i, nameOf(r.outcome), r.what);
         tell(seed, i, scene, r);
     }
     fmt::print("scene fuzz: {} scenes: {} equal ({} show something), {} refused alike, {} fail; against the truth: {} of {} scenes judged, {} pixels, {} left open, error at most {:.3f} of its bound\n",
