@@ -131,6 +131,7 @@ Family familyOf(uint64_t seed, uint64_t index, bool heldAgainstTruth) {
             f.meshes = dice.chance(0.5) ? 1 + dice.below(2) : 0;
             f.spheres = dice.below(5);
             f.planes = dice.below(3);
+            if (f.meshes + f.spheres + f.planes == 0) f.spheres = 1;
             f.mirrors = dice.chance(0.5);
             f.glass = dice.chance(0.4);
             const std::vector<const char*> samplings = {"grid", "grid", "centre", "random", "notes", "corners", "adaptive"};
