@@ -13,7 +13,7 @@ namespace plumb {
 
 namespace {
 
-// Collects one value a pixel (the largest of its channels) and the squares of all channels.
+// Collects one value a pixel (the largest of its channels), and sum and squares of all channels.
 class Collector {
 public:
     explicit Collector(uint32_t width) : width_(width) {}
@@ -25,12 +25,11 @@ public:
             figures_.y = uint32_t(pixel / width_);
         }
         values_.push_back(worst);
-        sum_ += worst;
-        for (const double c : channels) squares_ += c * c, ++count_;
+        for (const double c : channels) sum_ += c, squares_ += c * c, ++count_;
     }
     ErrorFigures figures() {
         if (values_.empty()) return {};
-        figures_.mean = sum_ / double(values_.size());
+        figures_.mean = sum_ / double(count_);
         figures_.rms = std::sqrt(squares_ / double(count_));
         // The least value that at least 99 % of the pixels do not exceed.
         const size_t rank = (values_.size() * 99 + 99) / 100 - 1;

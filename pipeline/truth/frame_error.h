@@ -10,8 +10,8 @@
 
 namespace plumb {
 
-// Over the pixels in which the picture or the truth shows something. A pixel's error is the largest of its channels'; the root mean square is over
-// channels.
+// Over the pixels in which the picture or the truth shows something. Largest and percentile are of a pixel's largest channel; mean and root mean
+// square are over all channels, so that the mean is never above the other.
 struct ErrorFigures {
     double max = 0, mean = 0, rms = 0, p99 = 0;
     uint32_t x = 0, y = 0;  // where the largest is first met

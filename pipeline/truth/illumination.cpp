@@ -68,7 +68,8 @@ Illumination::Seen Illumination::at(uint32_t index, double x, double y) const {
         w += share * corner.w.value;
     }
     const uint32_t material = mesh.faceMaterial[mesh.triangles[t.triangle].face];
-    return {colourOf(material, position, unit(normalFromObject_[t.object] * normal), unit(-position)), w};
+    const glm::dvec3 towardViewer = scene_.distantViewer.value_or(false) ? -unit(scene_.camera->forward) : unit(-position);
+    return {colourOf(material, position, unit(normalFromObject_[t.object] * normal), towardViewer), w};
 }
 
 glm::dvec3 Illumination::colourOf(uint32_t material, const glm::dvec3& position, const glm::dvec3& n,

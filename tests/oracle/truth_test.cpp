@@ -386,6 +386,38 @@ TEST(TruthError, IsNeverZeroByConstruction) {
     }
 }
 
+// Mean and root mean square are of one quantity: of all channels.
+TEST(TruthError, TheMeanIsNeverAboveTheRootMeanSquare) {
+    const Scene scene = suzanne();
+    for (const bool transparent : {false, true})
+        for (const Shading shading : {Shading::unlit, Shading::flat, Shading::gouraud, Shading::phong}) {
+            RenderRequest request = requestOf(64, 48);
+            request.shading = shading;
+            request.transparent = transparent;
+            const FrameError e = errorOf(renderCpu(scene, request).frame, truthOf(scene, request), request.encoding, transparent);
+            for (const ErrorFigures& f : {e.picture, e.unrounded, e.linear}) {
+                EXPECT_GT(f.mean, 0);
+                EXPECT_LE(f.mean, f.rms);
+                EXPECT_LE(f.rms, f.max);
+            }
+        }
+}
+
+// The scene's own model is no error; another viewer than the scene's is.
+TEST(TruthError, TheTruthHasTheViewerOfTheScene) {
+    Scene scene = suzanne();
+    RenderRequest request = requestOf(64, 48);
+    const auto errorFor = [&](bool asked, bool drawn) {
+        scene.distantViewer = asked;
+        request.distantViewer = drawn;
+        return errorOf(renderCpu(scene, request).frame, truthOf(scene, request), request.encoding, false).linear.rms;
+    };
+    const double local = errorFor(false, false), distant = errorFor(true, true);
+    EXPECT_LT(distant, 2 * local) << "float32 and snapping cost the same for either viewer";
+    EXPECT_GT(errorFor(false, true), 16 * local);
+    EXPECT_GT(errorFor(true, false), 16 * local);
+}
+
 TEST(TruthError, OrdersTheShadings) {
     const Scene scene = suzanne();
     const double unlit = errorOfTwin(scene, scene, Shading::unlit).picture.rms,
