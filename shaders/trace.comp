@@ -515,7 +515,11 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
         bool within = dot3(d, s.normal) > 0.0;
         vec3 n = within ? -s.normal : s.normal;
         vec3 seen = n;
-        if (kMeshes) seen = mesh ? normalForLight(d, n, within ? -smoothNormal : smoothNormal) : n;
+        vec3 bends = n;
+        if (kMeshes) {
+            seen = mesh ? (within ? -smoothNormal : smoothNormal) : n;
+            if (kChildren) bends = mesh ? normalForRays(d, n, seen) : n;
+        }
 
         int at = int(material) * kTraceMaterialTexels;
         vec4 base = texelFetch(materials, at);
@@ -608,7 +612,8 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
             }
         }
 
-        Children next = childrenOf(d, seen, within, shares.x, shares.y, shares.z, shares.w, weight, depth, push.maxDepth, push.minWeight);
+        Children next = childrenOf(d, bends, within, shares.x, shares.y, shares.z, shares.w, weight, depth, push.maxDepth, push.minWeight);
+        if (kMeshes && kRefracts) next.passDirection = mesh ? onSideOf(next.passDirection, -n) : next.passDirection;
         bool mirror = kChildren && hits && next.mirror;
         bool pass = kRefracts && hits && next.pass;
         if (!kList) fault |= mirror && pass ? kFaultRange : 0u;

@@ -47,8 +47,9 @@ public:
         const gpu::SurfacePoint s = surface(seen.hit.object, ray, material);
         const bool within = gpu::dot3(ray.direction, s.normal) > 0.0f;
         const glm::vec3 geometric = within ? -s.normal : s.normal;
-        seen.normal = seen.hit.object < firstTriangle() ? geometric
-                                                        : gpu::normalForLight(ray.direction, geometric, within ? -smooth_ : smooth_);
+        const bool mesh = seen.hit.object >= firstTriangle();
+        seen.normal = !mesh ? geometric : within ? -smooth_ : smooth_;
+        const glm::vec3 bends = mesh ? gpu::normalForRays(ray.direction, geometric, seen.normal) : geometric;
         const glm::vec3 q = gpu::leaveSurface(s.point, geometric, s.error);
         const gpu::TraceMaterial& m = scene_.materials[material];
         glm::vec3 own(0);
@@ -57,8 +58,9 @@ public:
             if (choices_.cutLevels) own = gpu::wholeLevels(local) * m.local;
             else colour = colour + local * (ray.weight * m.local);
         }
-        gpu::Children next = gpu::childrenOf(ray.direction, seen.normal, within, m.reflect, m.transmit, m.index, m.inverseIndex,
+        gpu::Children next = gpu::childrenOf(ray.direction, bends, within, m.reflect, m.transmit, m.index, m.inverseIndex,
                                                    ray.weight, ray.depth, push_.maxDepth, push_.minWeight);
+        if (mesh) next.passDirection = gpu::onSideOf(next.passDirection, -geometric);
         const uint32_t mirrorKey = gpu::keyOfChild(ray.key, gpu::kCountReflected), passKey = gpu::keyOfChild(ray.key, gpu::kCountRefracted);
         if (choices_.jitterMirror > 0) next.mirrorDirection = gpu::jittered(next.mirrorDirection, geometric, choices_.jitterMirror, mirrorKey);
         if (choices_.jitterPass > 0) next.passDirection = gpu::jittered(next.passDirection, geometric, choices_.jitterPass, passKey);

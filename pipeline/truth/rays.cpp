@@ -340,8 +340,9 @@ private:
 
     // Where, and which way the surface faces there.
     struct Surface {
-        V place, geometric, normal;  // both face the ray
-        double placeError = 0, geometricError = 0, normalError = 0;
+        V place, geometric, normal;  // both on the ray's side
+        V bends;                     // the normal of mirrored and refracted rays
+        double placeError = 0, geometricError = 0, normalError = 0, bendsError = 0;
         uint32_t material = 0;
         bool within = false;  // the ray runs with the outward normal
     };
@@ -372,15 +373,17 @@ private:
         if (s.within) s.geometric = -s.geometric;
         s.normal = s.geometric;
         s.normalError = s.geometricError;
+        s.bends = s.geometric;
+        s.bendsError = s.geometricError;
         if (h.kind == Kind::facet) smooth(r, h, s);
         return s;
     }
-    // The interpolated normal, unless the ray meets it from behind or its mirror image would run into the surface.
+    // The interpolated normal, and the one that bends rays (docs/illumination.md).
     void smooth(const Ray& r, const Hit& h, Surface& s) {
         const auto& f = facetOf(h.index);
-        const V& g = s.geometric;
         V n = f.smooth[0] * h.share[0] + f.smooth[1] * h.share[1] + f.smooth[2] * h.share[2];
         const double length = double(lengthOf(n));
+        s.normal = V(glm::dvec3(0));
         if (!(length > 0)) return;
         const double spread =
             std::max({double(lengthOf(f.smooth[1] - f.smooth[0])), double(lengthOf(f.smooth[2] - f.smooth[0])),
@@ -388,13 +391,34 @@ private:
         n = unitOf(n);
         if (s.within) n = -n;
         const double error = 2 * h.shareError * spread / length + 16 * kUnit / length;
-        const Real cosine = -along(r.direction, n), clear = along(r.direction + n * (2 * cosine), g);
-        const double open = 4 * (r.directionError + error) + s.geometricError;
-        if ((std::abs(double(cosine)) <= open || std::abs(double(clear)) <= open) && double(lengthOf(n - g)) > kNothing)
-            doubt(r.weight * brightest_);
-        if (!(cosine > 0 && clear > 0)) return;
         s.normal = n;
         s.normalError = error;
+        bend(r, s);
+    }
+    // The interpolated normal, or one between it and the geometric one that sends the mirrored ray along the polygon and no deeper.
+    void bend(const Ray& r, Surface& s) {
+        constexpr double kLeastLean = 1.0 / 16, kShortestHalf = 0x1p-18;
+        const V &g = s.geometric, &n = s.normal, &d = r.direction;
+        const RayShares shares = world_.shares(s.material);
+        if (shares.reflect == 0 && shares.transmit == 0) return;
+        const Real lean = along(n, g), cosine = -along(d, n);
+        if (std::abs(double(lean) - kLeastLean) <= s.normalError + s.geometricError + 8 * kUnit) doubt(r.weight * brightest_);
+        if (!(lean > kLeastLean)) return;
+        const V image = d + n * (2 * (cosine > 0 ? cosine : Real(0)));
+        const Real below = along(image, g);
+        if (!(below < 0)) {
+            s.bends = n;
+            s.bendsError = s.normalError;
+            return;
+        }
+        const V half = unitOf(image - g * below) - d;
+        const double length = double(lengthOf(half));
+        // What lies along the polygon is at least kLeastLean long.
+        const double halfError = (3 * r.directionError + 4 * s.normalError + 2 * s.geometricError + 16 * kUnit) / kLeastLean + r.directionError;
+        if (std::abs(length - kShortestHalf) <= halfError) doubt(r.weight * brightest_);
+        if (!(length > kShortestHalf)) return;
+        s.bends = half * (1 / Real(length));
+        s.bendsError = halfError / length + 8 * kUnit;
     }
 
     // The share of light `lamp` that reaches the surface.
@@ -537,8 +561,8 @@ private:
     void sendOn(const Ray& r, const Hit& h, const Surface& s, const RayShares& shares) {
         if (shares.reflect == 0 && shares.transmit == 0) return;
         const double index = double(world_.material(s.material).refractiveIndex), u = kUnit;
-        const Real cosine = -along(r.direction, s.normal);
-        const double cosineError = r.directionError + s.normalError + 8 * u;
+        const Real cosine = -along(r.direction, s.bends);
+        const double cosineError = r.directionError + s.bendsError + 8 * u;
         const Real ratio = s.within ? Real(index) : 1 / Real(index);
         const double bend = double(ratio);
         const Real square = index == 1 ? cosine * cosine : 1 - ratio * ratio * (1 - cosine * cosine);
@@ -558,8 +582,8 @@ private:
 
         child.weight = r.weight * (double(shares.reflect) + (total ? double(shares.transmit) : 0.0));
         child.inside = s.within;
-        child.direction = unitOf(r.direction + s.normal * (2 * cosine));
-        child.directionError = r.directionError + 4 * s.normalError + 12 * u;
+        child.direction = unitOf(r.direction + s.bends * (2 * cosine));
+        child.directionError = r.directionError + 4 * s.bendsError + 12 * u;
         send(child);
         if (total || shares.transmit == 0 || stops()) return;
         child.weight = r.weight * double(shares.transmit);
@@ -571,9 +595,16 @@ private:
             const Real root = rootOf(square);
             const double steep =
                 double(root) > 0 ? bend * bend * std::abs(double(cosine)) * cosineError / double(root) : 1;
-            child.direction = unitOf(r.direction * ratio + s.normal * (ratio * cosine - root));
+            child.direction = unitOf(r.direction * ratio + s.bends * (ratio * cosine - root));
             child.directionError =
-                bend * r.directionError + (bend + 1) * s.normalError + bend * cosineError + steep + 16 * u * (1 + bend);
+                bend * r.directionError + (bend + 1) * s.bendsError + bend * cosineError + steep + 16 * u * (1 + bend);
+            const Real against = along(child.direction, s.geometric);
+            if (h.kind == Kind::facet && against > 0) {
+                const V kept = child.direction - s.geometric * against;
+                const double length = double(lengthOf(kept));
+                child.direction = unitOf(kept);
+                child.directionError = (2 * child.directionError + s.geometricError) / length + 8 * u;
+            }
         }
         send(child);
     }

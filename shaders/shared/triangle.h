@@ -148,13 +148,26 @@ SHARED_FN SurfacePoint pointOnTriangle(vec3 p0, vec3 p1, vec3 p2, vec3 normal, T
     return s;
 }
 
-// The normal that light sees: interpolated, and the geometric one where the ray meets it from behind or its mirror image would run into
-// the surface. Both face the ray.
-SHARED_FN vec3 normalForLight(vec3 d, vec3 geometric, vec3 smooth_) {
+// A unit direction without what runs against n, unit again. Not for d near -n.
+SHARED_FN vec3 onSideOf(vec3 d, vec3 n) {
+    float along = dot3(d, n);
+    return chosen(along < 0.0f, unitLength(d - n * along), d);
+}
+
+// The normal that mirrors and bends rays at a mesh (light sees the interpolated one). It is the interpolated one unless that sends the mirrored ray
+// into the polygon. Then the mirrored ray runs along the polygon, and the normal stands half-way: both are the same where the one rule ends and the
+// other begins. What faces away from the ray lets it go straight on. Both given normals are turned with the ray's side of the polygon.
+// Below kLeastLean the projection onto the polygon could vanish. Below 2^-18 of a half-way vector its direction is rounding; the mirrored ray of
+// the geometric normal differs by less than twice that.
+SHARED_CONST float kLeastLean = 0.0625f;
+SHARED_FN vec3 normalForRays(vec3 d, vec3 geometric, vec3 smooth_) {
     float cosine = -dot3(d, smooth_);
-    vec3 mirror = d + smooth_ * (2.0f * cosine);
-    bool usable = cosine > 0.0f && dot3(mirror, geometric) > 0.0f;
-    return chosen(usable, smooth_, geometric);
+    vec3 image = d + smooth_ * (2.0f * pick(cosine > 0.0f, cosine, 0.0f));
+    vec3 half_ = onSideOf(image, geometric) - d;
+    bool long_ = dot3(half_, half_) > 1.4551915228366851807e-11f;
+    vec3 bent = chosen(long_, unitLength(half_), geometric);
+    bent = chosen(dot3(image, geometric) < 0.0f, bent, smooth_);
+    return chosen(dot3(smooth_, geometric) > kLeastLean, bent, geometric);
 }
 
 SHARED_END

@@ -460,13 +460,56 @@ TEST(HitTriangle, IsNotEnteredLate) {
     }
 }
 
-TEST(NormalForLight, IsTheSmoothOneWhereLightCanComeFrom) {
-    const vec3 down(0, -1, 0), up(0, 1, 0);
-    const vec3 tilted = unitLength({0.3f, 1, 0});
-    EXPECT_EQ(normalForLight(down, up, tilted), tilted);
-    EXPECT_EQ(normalForLight(unitLength({1, -0.2f, 0}), up, unitLength({0.5f, 1, 0})), up);   // seen from behind
-    EXPECT_EQ(normalForLight(unitLength({-0.2f, -1, 0}), up, unitLength({3, 1, 0})), up);  // its image would run below
-    EXPECT_EQ(normalForLight(down, up, unitLength({0.3f, -1, 0})), up);  // from behind, though the image runs above
+TEST(OnSideOf, TakesOutWhatRunsAgainst) {
+    const vec3 up(0, 1, 0);
+    EXPECT_EQ(onSideOf({0.6f, 0.8f, 0}, up), vec3(0.6f, 0.8f, 0));
+    EXPECT_NEAR(onSideOf({0.6f, -0.8f, 0}, up).x, 1, 16 * kUlp);
+    EXPECT_EQ(onSideOf({0.6f, -0.8f, 0}, up).y, 0.0f);
+}
+
+TEST(NormalForRays, IsTheSmoothOneUntilTheMirroredRayWouldRunIntoThePolygon) {
+    const vec3 up(0, 1, 0), tilted = unitLength({0.3f, 1, 0});
+    EXPECT_EQ(normalForRays({0, -1, 0}, up, tilted), tilted);
+    const auto mirroredAt = [&](vec3 d, vec3 smooth_) {
+        const vec3 n = normalForRays(d, up, smooth_);
+        return mirrored(d, n, -dot3(d, n));
+    };
+    // Its image would run below: along the polygon, where the image points.
+    const vec3 below = mirroredAt(unitLength({-0.2f, -1, 0}), unitLength({3, 1, 0}));
+    EXPECT_NEAR(below.y, 0, 64 * kUlp);
+    EXPECT_NEAR(below.x, 1, 64 * kUlp);
+    // Met from behind: straight on, along the polygon.
+    const vec3 behind = mirroredAt(unitLength({1, -0.2f, 0}), unitLength({0.5f, 0.8f, 0.4f}));
+    EXPECT_NEAR(behind.x, 1, 64 * kUlp);
+    EXPECT_NEAR(behind.y, 0, 64 * kUlp);
+    EXPECT_NEAR(behind.z, 0, 64 * kUlp);
+    // A normal of another surface.
+    EXPECT_EQ(normalForRays(unitLength({0.3f, -1, 0}), up, unitLength({0.3f, -1, 0})), up);
+    // Along the polygon but for 2^-30; d is unit within rounding, and so is what it is compared with.
+    EXPECT_EQ(normalForRays({0.60000002f, -1e-9f, 0.8f}, up, tilted), up);
+}
+
+// From the face normal to beyond the horizon, and from straight down to along the polygon: no step of what is mirrored is longer than a few times the step of the angles.
+TEST(NormalForRays, IsContinuous) {
+    const vec3 up(0, 1, 0);
+    const int steps = 4096;
+    const double step = 1.5 / steps;
+    for (int way = 0; way < 2; ++way)
+        for (const double other : {0.1, 0.5, 0.9, 1.3}) {
+            vec3 before(0);
+            for (int i = 0; i < steps; ++i) {
+                const double tilt = way == 0 ? i * step : other, slope = way == 0 ? other : i * step;
+                const vec3 smooth_(float(std::sin(tilt) * 0.8), float(std::cos(tilt)), float(std::sin(tilt) * 0.6));
+                const vec3 d = unitLength({float(-std::sin(slope)), -float(std::cos(slope)), 0});
+                const vec3 n = normalForRays(d, up, smooth_), m = mirrored(d, n, -dot3(d, n));
+                ASSERT_GE(m.y, -16 * float(kUlp)) << tilt << ", " << slope;
+                // Where the image is turned onto the polygon it is at least kLeastLean long before it is made unit.
+                if (i > 0) {
+                    ASSERT_LE(double(glm::length(m - before)), 4 * step / double(kLeastLean)) << tilt << ", " << slope;
+                }
+                before = m;
+            }
+        }
 }
 
 TEST(PassesTriangle, OpaqueBlocksTranslucentDimsOnTheWayOut) {
