@@ -6,7 +6,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 plumb_install demo
-plumb_build release plumb
+plumb_build release  # with what `cmake --install` copies
 plumb=$plumb_root/build/release/plumb
 mkdir -p "$plumb_root/out"
 cd "$plumb_root"
