@@ -22,7 +22,7 @@ constexpr double kStoredError = 0x1p-23;
 
 struct PixelBound {
     double most = 0;     // of its channels, as FrameError::perPixel
-    double squares = 0;  // of all channels
+    double sum = 0, squares = 0;  // of all channels
     bool any = false;    // the channel with the most may have any code
 };
 
@@ -36,11 +36,13 @@ PixelBound boundAt(const Frame& base, const Truth& truth, bool transparent, cons
             p.most = off;
             p.any = low <= 0 && high >= kFullScale;
         }
+        p.sum += off;
         p.squares += off * off;
     }
     if (transparent) {
         const double alpha = std::abs(double(base.rgba[at] >> 24) - kFullScale * truth.alpha[at]);
         if (alpha > p.most) p.most = alpha, p.any = false;
+        p.sum += alpha;
         p.squares += alpha * alpha;
     }
     return p;
@@ -69,7 +71,7 @@ ErrorBound errorBoundOf(const Frame& base, const Truth& truth, bool transparent,
         const PixelBound p = boundAt(base, truth, transparent, moves, 0.5 + steps, at);
         for (size_t c = 0; c < 3; ++c) bound.linear = std::max({bound.linear, moves.brighter(at, c), moves.darker(at, c)});
         bound.perPixel[at] = p.most;
-        bound.mean += p.most;
+        bound.mean += p.sum;
         squares += p.squares;
         anywhere &= p.any;
         values.emplace_back(p.most, p.any);
@@ -81,8 +83,9 @@ ErrorBound errorBoundOf(const Frame& base, const Truth& truth, bool transparent,
     const size_t rank = (values.size() * 99 + 99) / 100 - 1;
     std::nth_element(values.begin(), values.begin() + ptrdiff_t(rank), values.end());
     bound.p99 = figure(values[rank]);
-    bound.mean = anywhere ? ErrorBound::kNoBound : bound.mean / double(values.size());
-    bound.rms = anywhere ? ErrorBound::kNoBound : std::sqrt(squares / double(values.size() * (transparent ? 4 : 3)));
+    const auto channels = double(values.size() * (transparent ? 4 : 3));
+    bound.mean = anywhere ? ErrorBound::kNoBound : bound.mean / channels;
+    bound.rms = anywhere ? ErrorBound::kNoBound : std::sqrt(squares / channels);
     return bound;
 }
 
