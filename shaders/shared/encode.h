@@ -19,7 +19,9 @@ SHARED_FN Real clampUnit(Real x) {
     return pick(gt(real(1.0f), x), x, real(1.0f));
 }
 
-SHARED_FN Int encodeLinear(Real x) { return toInt(clampUnit(x) * 255.0f + 0.5f); }
+// The nearest code, a half to the even one, as the notes' `round` does: 76.5 is 76. What is added and taken off again is 3 * 2^22, whose last place is 1,
+// so the sum is the rounding (IEEE 754, nearest even), and both are exact but for it.
+SHARED_FN Int encodeLinear(Real x) { return toInt((clampUnit(x) * 255.0f + 12582912.0f) - 12582912.0f); }
 
 // The curve of IEC 61966-2-1 as it is written. With |log2 x| <= 8.4 the power is off by at most 20 2^-23 of itself (nativePowerBound, shade.h, with
 // n = 1/2.4), so the code before rounding by 255 * 1.055 * 20 2^-23 = 6.5e-4, and by 3e-4 more for the float32 operations around it: another code than the correctly rounded

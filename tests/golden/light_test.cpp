@@ -257,19 +257,27 @@ GOLDEN(s165_20_spheres_pixels) {
     test::expectSameFrame(twin, device);
     EXPECT_EQ(s.entry.input("canvas"), Json({twin.width, twin.height}));
     const auto byteAt = [&](int px, int py, int channel) { return int(twin.rgba[size_t(py) * twin.width + size_t(px)] >> (8 * channel) & 255u); };
-    // Every pixel by the formula in binary64, and nothing is drawn elsewhere.
-    uint64_t covered = 0;
+    // Every pixel by the formula in binary64, and nothing is drawn elsewhere. A byte may differ only where the formula is as near to a half as float32 is
+    // to the formula; on a half that no light was added to (0.3 times 255 is 76.5) it may not, both round it to the even byte.
+    uint64_t covered = 0, onAHalf = 0;
     for (int row = 0; row < s.number("rows"); ++row)
         for (int column = 0; column < s.number("columns"); ++column)
             s.eachPixel([&](int x, int y) {
                 const Model m = illuminated(s.normal(x, y), s.vector("L"), s.vector("V"), s.surface(row, column));
                 const int bytes[] = {byteOf(m.specular), byteOf(m.sum()), byteOf(m.specular)}, px = s.centreX(column) + x, py = s.centreY(row) - y;
-                for (int i = 0; i < 3; ++i)
-                    ASSERT_LE(std::abs(byteAt(px, py, i) - bytes[i]), tolerance().colourLevels) << "pixel (" << px << ", " << py << ")";
+                const double values[] = {m.specular, m.sum(), m.specular};
+                for (int i = 0; i < 3; ++i) {
+                    const double beyond = 255 * values[i] - std::floor(255 * values[i]) - 0.5;  // of the half
+                    const bool unlit = glm::dot(unitVector(s.normal(x, y)), unitVector(s.vector("L"))) < -tolerance().float32;
+                    onAHalf += unlit && beyond == 0;
+                    if (!(unlit && beyond == 0) && std::abs(beyond) <= 255 * tolerance().float32) continue;
+                    ASSERT_EQ(byteAt(px, py, i), bytes[i]) << "pixel (" << px << ", " << py << ")";
+                }
                 ASSERT_EQ(twin.object[size_t(py) * twin.width + size_t(px)], uint32_t(row * s.number("columns") + column));
                 ++covered;
             });
     EXPECT_EQ(twin.coveredPixels, covered);
+    EXPECT_GT(onAHalf, 1000u) << "the unlit pixels of the fifth column";
     for (const Json& sample : samples) {
         const int row = sample[0].get<int>(), column = sample[1].get<int>(), px = sample[2].get<int>(),
                   py = sample[3].get<int>();
@@ -314,11 +322,10 @@ GOLDEN(s165_hex_code) {
     for (size_t i = 0; i < inputs.size(); ++i) {
         const double value = inputs[i].get<double>();
         bytes.push_back(std::max(0, byteOf(value)));
-        // The product clamps above 1 (errata A14); its linear encoding rounds half up, so ties may differ by a level.
+        // The product clamps above 1 (errata A14); halves go to the even byte on both sides.
         const float rgb[3] = {float(value), 0, 0};
         const int clamped = std::min(255, std::max(0, byteOf(value)));
-        EXPECT_LE(std::abs(int(encodePixelCpu(gpu::kEncodeLinear, rgb, 0) & 255u) - clamped), tolerance().colourLevels)
-            << value;
+        EXPECT_EQ(int(encodePixelCpu(gpu::kEncodeLinear, rgb, 0) & 255u), clamped) << value;
         char hex[16];
         std::snprintf(hex, sizeof hex, "%02x", unsigned(std::max(0, byteOf(value))));
         EXPECT_EQ(e.data("hex")[i], hex);

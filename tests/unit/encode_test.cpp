@@ -122,14 +122,55 @@ TEST(Encode, ExtremesAreClamped) {
     }
 }
 
-TEST(Encode, LinearCodesAreTheNearest) {
+// The product 255 x is rounded to float32, below 256 by 2^-17 at most; then the code is the nearest, a half the even one. By whole numbers from
+// the bits of x: 255 x = m 2^e exactly.
+constexpr long double kLinearProductError = 0x1p-17L;
+int linearCodeOf(float x) {
+    if (!(x > 0)) return 0;
+    if (x >= 1) return 255;
+    const uint32_t bits = std::bit_cast<uint32_t>(x);
+    const int exponent = std::max(1, int(bits >> 23)) - 150;  // x = significand 2^exponent, exponent <= -24
+    if (exponent < -24 - 12) return 0;                         // 255 x below 1/8
+    const uint64_t product = 255 * uint64_t((bits & 0x7fffffu) | 0x800000u);
+    const auto halfToEven = [](uint64_t value, int drop) {
+        const uint64_t whole = value >> drop, rest = value & ((uint64_t(1) << drop) - 1), half = uint64_t(1) << (drop - 1);
+        return whole + (rest > half || (rest == half && (whole & 1)) ? 1 : 0);
+    };
+    const int drop = int(std::bit_width(product)) - 24;  // to float32
+    const uint64_t rounded = halfToEven(product, drop);
+    return int(halfToEven(rounded, -(exponent + drop)));
+}
+void expectLinear(uint32_t bits) {
+    const float f = floatOf(bits);
+    ASSERT_EQ(gpu::encodeLinear(f), linearCodeOf(f)) << f;
+    if (f >= 0 && f <= 1) {
+        ASSERT_LE(std::abs(gpu::encodeLinear(f) - 255.0L * f), 0.5L + kLinearProductError) << f;
+    }
+}
+
+TEST(Encode, LinearCodesAreTheNearestAndHalvesTheEvenOnes) {
     for (int code = 0; code < 256; ++code) EXPECT_EQ(gpu::encodeLinear(float(code) / 255.0f), code);
-    std::mt19937 engine(3);
-    for (int i = 0; i < 100000; ++i) {
-        const float f = float(engine()) * 0x1p-32f;
-        // x * 255 + 0.5 rounds twice: within 2^-16 of a tie either code may come out (2 roundings of values below 256).
-        const long double exact = 255.0L * f;
-        EXPECT_NEAR(gpu::encodeLinear(f), exact, 0.5L + 0x1p-16L);
+    // A half that float32 has: 255 x is a half for the float nearest to it.
+    int halves = 0;
+    for (int code = 0; code < 255; ++code) {
+        const float x = (float(code) + 0.5f) / 255.0f;
+        if (x * 255.0f != float(code) + 0.5f) continue;
+        ++halves;
+        EXPECT_EQ(gpu::encodeLinear(x), code + code % 2) << code;
+    }
+    EXPECT_GT(halves, 200);
+    EXPECT_EQ(gpu::encodeLinear(0.3f), 76) << "76.5";
+    for (uint64_t bits = 0; bits <= 0xffffffffu && !HasFatalFailure(); bits += 997) expectLinear(uint32_t(bits));
+}
+
+// All 2^32 floats with PLUMB_LONG=1.
+TEST(Encode, LONG_LinearCodesAreTheNearestForAllFloats) {
+    const char* asked = std::getenv("PLUMB_LONG");
+    const uint64_t step = asked && *asked == '1' ? 1 : 65537;
+    for (uint64_t bits = 0; bits <= 0xffffffffu; bits += step) {
+        const float f = floatOf(uint32_t(bits));
+        if (gpu::encodeLinear(f) != linearCodeOf(f)) expectLinear(uint32_t(bits));
+        if (HasFatalFailure()) return;
     }
 }
 
