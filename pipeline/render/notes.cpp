@@ -7,6 +7,7 @@
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/polygons.h"
 #include "pipeline/render/stopwatch.h"
+#include "pipeline/scene/flattened.h"
 #include "pipeline/scene/text.h"
 
 #include <array>
@@ -122,7 +123,7 @@ private:
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         if (mesh.selfCrossingFaces > 0) refuseCrossing(object, mesh, mesh.firstSelfCrossing);
         const gpu::ObjectRecord& record = p_.list.objects[r.record];
-        const bool mirrored = glm::determinant(glm::dmat3(object.worldFromObject)) < 0;
+        const bool mirrored = mirrors(object.worldFromObject);
         const uint32_t shading = p_.choices.shading;
         std::vector<dvec3> world(mesh.positions.size());
         for (size_t v = 0; v < world.size(); ++v)

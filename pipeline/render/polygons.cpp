@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/polygons.h"
 
+#include "pipeline/scene/flattened.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -75,7 +77,7 @@ std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worl
         for (const glm::uvec2& e : mesh.edges) edges.push_back({e, kNone});
         return edges;
     }
-    const bool mirrored = glm::determinant(glm::dmat3(worldFromObject)) < 0;
+    const bool mirrored = mirrors(worldFromObject);
     std::set<std::pair<Point, Point>> drawn;
     for (const FaceTriangles& f : facesOf(mesh)) {
         const std::span<const TriangleMesh::Triangle> own(mesh.triangles.data() + f.first, f.count);

@@ -3,6 +3,7 @@
 
 #include "pipeline/passes/long_rows.h"
 #include "pipeline/render/polygons.h"
+#include "pipeline/scene/flattened.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/ray_shares.h"
 #include "pipeline/scene/text.h"
@@ -51,9 +52,9 @@ Pinhole pinholeOf(const Camera& camera, double width, double height, double side
     return v;
 }
 
-// Adjugate transpose times the sign of the determinant: proportional to the inverse transpose, defined for singular matrices too.
+// Adjugate transpose, turned round for a matrix that mirrors: proportional to the inverse transpose, defined for singular matrices too.
 // Scaled by a power of two so that its largest entry is in [0.5, 1).
-glm::dmat3 normalMatrix(const glm::dmat3& m, double determinant) {
+glm::dmat3 normalMatrix(const glm::dmat3& m, bool mirrored) {
     glm::dmat3 c;
     c[0] = glm::cross(m[1], m[2]);
     c[1] = glm::cross(m[2], m[0]);
@@ -65,7 +66,7 @@ glm::dmat3 normalMatrix(const glm::dmat3& m, double determinant) {
         int exponent = 0;
         std::frexp(largest, &exponent);
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) c[i][j] = std::ldexp(c[i][j], -exponent) * (determinant < 0 ? -1 : 1);
+            for (int j = 0; j < 3; ++j) c[i][j] = std::ldexp(c[i][j], -exponent) * (mirrored ? -1 : 1);
     }
     return c;
 }
@@ -108,7 +109,7 @@ gpu::ObjectRecord recordOf(const glm::dmat4& worldFromObject, const Pinhole& v) 
     o.world1 = row({0, 1, 0}, 1);
     o.world2 = row({0, 0, 1}, 1);
     const glm::dmat3 m3(m);
-    const glm::dmat3 n = normalMatrix(m3, glm::determinant(m3));
+    const glm::dmat3 n = normalMatrix(m3, mirrors(m));
     const auto normalRow = [&](int i) { return glm::vec4(float(n[0][i]), float(n[1][i]), float(n[2][i]), 0.0f); };
     o.normal0 = normalRow(0);
     o.normal1 = normalRow(1);
@@ -210,7 +211,7 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
         }
     }
     // Front faces run counter-clockwise as seen in a right-handed world, clockwise in a left-handed one; a mirror swaps.
-    const bool swap = scene.leftHanded != (glm::determinant(glm::dmat3(object.worldFromObject)) < 0);
+    const bool swap = scene.leftHanded != mirrors(object.worldFromObject);
     for (const TriangleMesh::Triangle& t : mesh.triangles) {
         list.triangles.emplace_back(r.firstVertex + t.vertex[0], r.firstVertex + t.vertex[swap ? 2 : 1],
                                     r.firstVertex + t.vertex[swap ? 1 : 2], slotOf(mesh.faceMaterial[t.face]));

@@ -2,6 +2,7 @@
 #include "pipeline/render/trace_samples.h"
 
 #include "pipeline/passes/tree.h"
+#include "pipeline/scene/flattened.h"
 #include "pipeline/scene/ray_shares.h"
 
 #include <algorithm>
@@ -127,12 +128,12 @@ private:
     void addObject(const Object& object) {
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         const glm::dmat3 linear(object.worldFromObject);
-        const double determinant = glm::determinant(linear);
+        const bool mirrored = mirrors(object.worldFromObject);
         glm::dmat3 normals;  // cofactors: the inverse transpose times the determinant
         normals[0] = glm::cross(linear[1], linear[2]);
         normals[1] = glm::cross(linear[2], linear[0]);
         normals[2] = glm::cross(linear[0], linear[1]);
-        if (determinant < 0) normals = -normals;
+        if (mirrored) normals = -normals;
         const auto first = uint32_t(out_.corners.size() / 2);
         if ((out_.triangles.size() / 2 + mesh.triangles.size() + out_.corners.size() / 2 + mesh.positions.size()) > kMostParts)
             throw inputError(scene_.path, fmt::format("--shading ray takes at most {} triangles and corners", kMostParts));
@@ -147,7 +148,7 @@ private:
             glm::dvec3 corner[3];
             for (int k = 0; k < 3; ++k) corner[k] = glm::dvec3(out_.corners[2 * size_t(first + t.vertex[k])]);
             glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-            if (determinant < 0) normal = -normal;
+            if (mirrored) normal = -normal;
             const glm::vec3 n = rounded(unitOr(normal, {0, 0, 1}));
             out_.triangles.emplace_back(first + t.vertex[0], first + t.vertex[1], first + t.vertex[2], slotOf(mesh.faceMaterial[t.face]));
             out_.triangles.emplace_back(gpu::ubitsOf(n.x), gpu::ubitsOf(n.y), gpu::ubitsOf(n.z), 0u);

@@ -5,6 +5,7 @@
 // What a file asks for and is not drawn goes into Scene::ignored, once a kind; with `strict` it is refused.
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/affine.h"
+#include "pipeline/scene/flattened.h"
 #include "pipeline/scene/sha256.h"
 #include "pipeline/scene/text.h"
 
@@ -793,7 +794,7 @@ void GltfFile::readNode(size_t i, const dmat4& worldFromParent, int depth) {
     if (const auto skin = node.find("skin")) ignore(*skin, "skins");
     if (const auto index = node.find("mesh")) {
         const uint32_t inScene = mesh(*index);
-        if (inScene != kNone && !hasInverse(worldFromNode)) {
+        if (inScene != kNone && !hasInverse(worldFromNode) && leavesNoArea(scene_.meshes[inScene], worldFromNode)) {
             ignore(node, "meshes flattened by a scale of 0");
         } else if (inScene != kNone) {
             Object object;

@@ -3,6 +3,8 @@
 #include "pipeline/scene/toml_scene.h"
 
 #include "pipeline/scene/affine.h"
+#include "pipeline/scene/flattened.h"
+#include "pipeline/scene/text.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -91,8 +93,6 @@ void SceneFile::placeObjects() {
                                      : nodes_[size_t(node.parent)].worldFromNode * node.parentFromNode.matrix;
             if (!entriesUsable(node.worldFromNode))
                 refuse(*node.table, "object.transform: the world matrix has entries above 2^100");
-            if (node.mesh != kNone && !hasInverse(node.worldFromNode))
-                refuse(*node.table, "object.transform: the world matrix has no inverse");
             node.depth = node.parent < 0 ? 1 : nodes_[size_t(node.parent)].depth + 1;
             if (node.depth > kMaxDepth) refuse(*node.table, tooDeep());
             node.placed = true;
@@ -108,6 +108,8 @@ void SceneFile::placeObjects() {
             object.chain.insert(object.chain.end(), n->parentFromNode.steps.begin(), n->parentFromNode.steps.end());
             if (n->parent < 0) break;
         }
+        if (!hasInverse(object.worldFromObject) && leavesNoArea(scene_.meshes[object.mesh], object.worldFromObject))
+            scene_.warnings.push_back(fmt::format("object '{}' is flattened to a line or a point: no surface is left of it", printable(object.name, 64)));
         scene_.objects.push_back(std::move(object));
     }
 }

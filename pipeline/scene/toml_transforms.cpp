@@ -80,8 +80,6 @@ SceneFile::Placement SceneFile::readTransform(const toml::table& table, const st
         const dvec3 factors = node->is_array()
                                   ? vectorOf(*node, field + ".scale")
                                   : dvec3(numberOf(*node, field + ".scale", -kMaxCoordinate, kMaxCoordinate));
-        if (factors.x == 0 || factors.y == 0 || factors.z == 0)
-            refuse(*node, field + ".scale is 0: normals need its inverse");
         step = scaleStep(factors);
     } else {
         const toml::node& matrix = *table.get("matrix");
@@ -94,7 +92,6 @@ SceneFile::Placement SceneFile::readTransform(const toml::table& table, const st
         if (rows[12] != 0 || rows[13] != 0 || rows[14] != 0 || rows[15] != 1)
             refuse(matrix, name + ": the last row is not 0, 0, 0, 1 (rows of a matrix for column vectors)");
         step = matrixStep(fromRows(rows));
-        if (!hasInverse(step.matrix)) refuse(matrix, name + " has no inverse");
         canBeAbout = false;
     }
     if (!aboutNode) return {step.matrix, {step}};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/truth/geometry.h"
 
+#include "pipeline/scene/flattened.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -219,9 +221,7 @@ Geometry::Geometry(const Scene& scene, const Pinhole& pinhole) : scene_(scene), 
         const TriangleMesh& mesh = scene.meshes[scene.objects[o].mesh];
         corners_.clear();
         for (uint32_t v = 0; v < mesh.positions.size(); ++v) corners_.push_back(corner(o, v));
-        const glm::dmat4& m = scene.objects[o].worldFromObject;
-        const double volume = glm::dot(glm::dvec3(m[0]), glm::cross(glm::dvec3(m[1]), glm::dvec3(m[2])));
-        const bool mirrored = scene.leftHanded != (volume < 0);
+        const bool mirrored = scene.leftHanded != mirrors(scene.objects[o].worldFromObject);
         for (uint32_t t = 0; t < mesh.triangles.size(); ++t) add(o, t, mirrored);
     }
 }

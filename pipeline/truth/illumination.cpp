@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/truth/illumination.h"
 
+#include "pipeline/scene/flattened.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -45,7 +47,7 @@ Illumination::Illumination(const Scene& scene, const Geometry& geometry) : scene
                 const int c1 = (c + 1) % 3, c2 = (c + 2) % 3, r1 = (r + 1) % 3, r2 = (r + 2) % 3;
                 n[c][r] = m[c1][r1] * m[c2][r2] - m[c1][r2] * m[c2][r1];
             }
-        if (along(m[0], n[0]) < 0) n = -n;
+        if (mirrors(object.worldFromObject)) n = -n;
         normalFromObject_.push_back(n);
     }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/truth/ray_world.h"
 
+#include "pipeline/scene/flattened.h"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
@@ -21,7 +23,7 @@ void normalMatrix(const glm::dmat4& m, Vec3<Real> (&columns)[3], bool& mirrored)
     columns[0] = across(b, c);
     columns[1] = across(c, a);
     columns[2] = across(a, b);
-    mirrored = along(a, columns[0]) < 0;
+    mirrored = mirrors(m);
     if (mirrored)
         for (Vec3<Real>& column : columns) column = -column;
 }
