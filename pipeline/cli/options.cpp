@@ -224,7 +224,7 @@ const std::vector<Flag> kFlags = {
      }},
     {"--jitter", "LIST", "noise on what a hit sends on, by commas, with --shading ray: blurred mirrors, blurred glass, soft shadows", "none", "reflect=X, refract=X, shadow=X by commas, X from 0 to 0.5",
      {"reflect=0.02", "refract=0.02", "shadow=0.02"}, kDraw, addJitter, true},
-    {"--seed", "N", "of the noise of --jitter and --sampling random", "0", "a whole number, 0 to 4294967295", kNoWords, kDraw,
+    {"--seed", "N", "of the noise of --jitter and --sampling random, and of the order of measure's rounds", "0", "a whole number, 0 to 4294967295", kNoWords, kDraw,
      [](Options& o, const std::string& v) { o.seed = number<uint32_t>(v, 0, ~uint32_t(0)); }},
     {"--levels", "HOW", "exact colours, or whole levels cut after each ray as the notes' C program adds them, with --shading ray and --encode linear", "exact", "exact, cut", {"exact", "cut"}, kDraw,
      [](Options& o, const std::string& v) { o.cutLevels = oneOf<bool>(v, {{"exact", false}, {"cut", true}}); }},
@@ -337,7 +337,7 @@ const std::vector<Flag> kFlags = {
      },
      true},
     {"--limit", "TIME", "end after this time; choices that it leaves no time for are cut and listed", "120s", "a time with ms, s or min, at least 1ms, e.g. 90s", kNoWords, kMeasure, setLimit},
-    {"--repetitions", "N", "times that each choice is drawn; ratios need at least 2", "7", "a whole number, 1 to 1000", kNoWords, kMeasure,
+    {"--repetitions", "N", "rounds in which each choice is drawn once; medians and a front need at least 3, telling times apart about 8 to 11", "31", "a whole number, 1 to 1000", kNoWords, kMeasure,
      [](Options& o, const std::string& v) { o.repetitions = number<uint32_t>(v, 1, 1000); }},
     {"--csv", "[=FILE]", "write the rows as CSV, to standard output or to FILE", "", "a path", kFile, kMeasure,
      [](Options& o, const std::string& v) {
@@ -393,8 +393,8 @@ const std::vector<CommandRow> kCommands = {
        {"plumb diff a.png b.png --gate 'max<=2/255' --gate 'flip<=0.02' -o diff.png --heat heat.png", "two gates, and pictures of where"},
        {"plumb diff a.exr b.exr --plane depth --gate 'depth.ulp<=4' --json", "one plane of two EXRs, the report on standard output"}}}},
     {kMeasure, "measure", "SCENE|MESH...", "measure what speed costs in accuracy",
-     "Draws the scene in every way that there is, one choice changed at a time, and prints the time of each (median, least, largest of interleaved repetitions) and its error against a truth computed in binary64. "
-     "Rows that nothing beats in both are marked. An axis whose choice does not exist in this version is listed as absent.",
+     "Draws the scene in every way that there is, one choice changed at a time, and prints the time of each (its ratio to the default, round by round, with an interval) and its error against a truth computed in binary64. "
+     "What the interval does not tell apart from the default is called so; rows that nothing beats are marked. An axis whose choice does not exist in this version is listed as absent.",
      {{{"plumb measure scene.toml", "all axes, at most two minutes"},
        {"plumb measure mug.obj --axis shading,samples --size 320x240 --csv=mug.csv", "two axes, the rows as CSV"},
        {"plumb measure scene.toml --limit 30s -o report.html --json=measure.json", "less time, with a report for people and one for programs"}}}},

@@ -85,7 +85,7 @@ struct Options {
     ProgressMode progress = ProgressMode::automatic;
     std::vector<std::string> axes;          // of measure; empty: all
     double limitMs = 120000;                // of a measurement
-    uint32_t repetitions = 7;
+    uint32_t repetitions = 31;
     bool csv = false;
     std::string csvFile;                    // empty: stdout
 

@@ -52,7 +52,7 @@ Value stated(const std::optional<Value>& flag, const std::optional<Value>& scene
 void rayChoices(const Options& options, const Scene& scene, RenderRequest& request) {
     const std::pair<const char*, bool> flags[] = {{"--sampling", options.sampling.has_value()},
                                                   {"--jitter", options.jitterReflect || options.jitterRefract || options.jitterShadow},
-                                                  {"--seed", options.seed.has_value()},
+                                                  {"--seed", options.seed && options.command != kMeasure},  // there it turns the order of rounds as well
                                                   {"--levels", options.cutLevels.has_value()}};
     for (const auto& [flag, given] : flags)
         if (given && request.shading != Shading::ray) throw usageError(fmt::format("{} goes with --shading ray", flag));

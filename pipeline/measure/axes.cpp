@@ -5,6 +5,9 @@
 
 #include <cstdint>
 #include <fmt/core.h>
+#include <algorithm>
+#include <iterator>
+#include <string_view>
 
 namespace plumb {
 
@@ -59,8 +62,14 @@ void trade(Setting& s) {
 // What is stated stays.
 void keep(Setting&) {}
 
-// In the order in which a picture is made.
+void drawAgain(Setting& s) { s.again = true; }
+
+// What people ask about a picture, first to last. What is missing here follows in the order of kAxes.
+constexpr const char* kAsked[] = {"samples", "shading", "trace-depth", "trace-cutoff", "ray-sampling", "specular", "light-vector", "normals", "rate", "fill", "interpolation", "depth"};
+
+// In the order in which a picture is made, after the row that no picture needs.
 const std::vector<Axis> kAxes = {
+    {"control", "how far apart two measurements of one work come out", {{"default again", Verdict::bits, drawAgain, "the default picture once more: nothing but noise"}}, Scope::both},
     {"shading",
      "how a surface is lit",
      {{"wire", Verdict::bits, shade<Shading::wire>, "edges only"},
@@ -170,7 +179,7 @@ std::string wordsOf(const Setting& s) {
     static constexpr const char* kVectors[] = {"pixel", "vertex", "face", "scene"};
     static constexpr const char* kSpeculars[] = {"exact", "schlick", "native"};
     const std::string depth = t.depthBits == 32 ? "reversed-32" : t.depthBits == Trade::kStandardDepth ? "standard-32" : std::to_string(t.depthBits);
-    const std::string machine = (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device");
+    const std::string machine = (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device") + (s.again ? " again" : "");
     if (r.shading == Shading::ray)
         return fmt::format("shading=ray encoding={} samples={} trace-depth={} trace-cutoff={} ray-sampling={} {}", r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, r.maxDepth, r.minWeight,
                            nameOf(r.rays.sampling), machine);
@@ -181,6 +190,26 @@ std::string wordsOf(const Setting& s) {
 }
 
 std::span<const Axis> axes() { return kAxes; }
+
+size_t askedPlace(const Axis& axis) {
+    const auto asked = std::find(std::begin(kAsked), std::end(kAsked), std::string_view(axis.name));
+    return size_t(asked - std::begin(kAsked)) + (asked == std::end(kAsked) ? size_t(&axis - kAxes.data()) : 0);
+}
+
+const Axis& controlAxis() { return kAxes.front(); }
+
+uint32_t mostSamples(const Setting& base) {
+    // Adaptive sampling takes that many where corners differ.
+    uint32_t most = std::max(base.request.samples, 16u);
+    for (const Axis& axis : kAxes)
+        for (const Choice& choice : axis.choices) {
+            if (choice.apply == nullptr) continue;
+            Setting setting = base;
+            choice.apply(setting);
+            most = std::max(most, setting.request.samples);
+        }
+    return most;
+}
 
 void apply(Setting& setting, const std::string& axisName, const std::string& choiceName) {
     const Axis& axis = axisOf(axisName);

@@ -14,6 +14,7 @@ namespace plumb {
 struct Setting {
     RenderRequest request;
     bool twin = false;  // the CPU twin draws, not the device
+    bool again = false; // the default picture once more: no other work
 };
 
 // The choices of a setting as words: equal words, equal work.
@@ -38,6 +39,13 @@ struct Axis {
     std::vector<Choice> choices;
     Scope scope = Scope::raster;
 };
+
+// Place of an axis among what people ask about a picture: 0 is asked first, and cut last where time is short.
+size_t askedPlace(const Axis&);
+// The default again, a row of every measurement: how far apart two measurements of one work come out.
+const Axis& controlAxis();
+// The most samples a pixel that any choice of any axis takes: one number for every list of axes.
+uint32_t mostSamples(const Setting& base);
 
 std::span<const Axis> axes();
 // Turns one knob. Throws Error(usage) with the accepted names.

@@ -2,8 +2,10 @@
 #include "pipeline/measure/measure.h"
 
 #include "host/error.h"
-#include "pipeline/measure/pareto.h"
+#include "pipeline/measure/front.h"
+#include "pipeline/measure/rounds.h"
 #include "pipeline/render/bound.h"
+#include "pipeline/scene/sha256.h"
 
 #include <cstdint>
 #include <fmt/core.h>
@@ -11,6 +13,9 @@
 #include <chrono>
 #include <cmath>
 #include <string>
+#include <map>
+#include <numeric>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -21,8 +26,12 @@ namespace {
 
 // A wire frame is a drawing, and has no truth.
 constexpr const char* kWireWhy = "a wire frame has no truth: its lines are a drawing, not the picture of a surface";
-// Of the time that is left, this share is planned with; rounds differ in length.
+// Share of the limit that estimates may fill: rounds differ in length.
 constexpr double kPlannedShare = 0.9;
+// Share of the limit that the truths of the default picture may take; the rest is for rows.
+constexpr double kTruthShare = 0.5;
+// A truth's progress is extrapolated from this share on.
+constexpr double kFirstGuess = 0.1;
 
 // What the notes' fill does not have. Null: nothing is missing.
 const char* notesLack(const Setting& setting) {
@@ -50,20 +59,23 @@ public:
     Measurement run() {
         listRuns();
         takeErrors();
-        planRounds();
         takeTimes();
+        tellApart();
         finish();
         return std::move(out_);
     }
 
 private:
     double elapsedMs() const {
-        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
+        return plan_.beforeMs + std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
     }
-    double leftMs() const { return plan_.limitMs - elapsedMs(); }
-    void tell(double fraction) const {
+    double endMs() const { return plan_.limitMs - plan_.afterMs; }
+    double leftMs() const { return endMs() - elapsedMs(); }
+    void tell(double fraction) {
+        told_ = fraction;
         if (plan_.onProgress) plan_.onProgress(fraction);
     }
+    bool active(size_t i) const { return !out_.runs[i].cut; }
 
     size_t runOf(const Setting& setting) {
         const std::string words = wordsOf(setting);
@@ -76,7 +88,10 @@ private:
 
     void listRuns() {
         runOf(plan_.base);
+        std::vector<const Axis*> axes = {&controlAxis()};
         for (const Axis* axis : plan_.axes)
+            if (axis != &controlAxis()) axes.push_back(axis);
+        for (const Axis* axis : axes)
             for (const Choice& choice : axis->choices) {
                 Row row;
                 row.axis = axis;
@@ -102,87 +117,194 @@ private:
                 out_.rows.push_back(row);
             }
         estimates_.assign(out_.runs.size(), 0);
+        passNames_.resize(out_.runs.size());
     }
 
     bool traced() const { return plan_.base.request.shading == Shading::ray; }
 
-    // The notes' fill samples whole coordinates, and so does the truth that it is held against. Rays may lie elsewhere in a pixel.
-    const Truth& truthAt(uint32_t samples, Fill fill, uint32_t drawn, Sampling sampling = Sampling::grid) {
+    // The notes' fill samples whole coordinates, and so does the truth that it is held against. Rays may lie elsewhere in a pixel. Null: it would not
+    // be there at `untilMs`.
+    const Truth* truthAt(uint32_t samples, Fill fill, uint32_t drawn, Sampling sampling, double untilMs) {
         if (fill != Fill::notes) drawn = samples;
-        auto found = truths_.find({samples, fill, drawn, sampling});
+        const std::tuple key(samples, fill, drawn, sampling);
+        auto found = truths_.find(key);
         if (found == truths_.end()) {
+            const double begun = elapsedMs();
+            bool late = false;
             RenderRequest request = plan_.base.request;
             request.fill = fill;
             request.shading = traced() ? Shading::ray : Shading::phong;
             request.rays.sampling = sampling;
             request.samples = samples;
-            request.onProgress = [this](double) { return tell(0), true; };
-            found = truths_.emplace(std::tuple(samples, fill, drawn, sampling), truthOf(scene_, request, drawn)).first;
+            request.onProgress = [&](double done) {
+                tell(told_);
+                const double spent = elapsedMs() - begun, whole = done >= kFirstGuess ? spent / done : spent;
+                late = begun + whole > untilMs;
+                return !late;
+            };
+            std::optional<Truth> truth;
+            try {
+                truth = truthOf(scene_, request, drawn);
+            } catch (const Error&) {
+                if (!late) throw;
+            }
+            truthMs_ = std::max(truthMs_, (elapsedMs() - begun) / samples);
+            found = truths_.emplace(key, std::move(truth)).first;
         }
-        return found->second;
+        return found->second ? &*found->second : nullptr;
     }
-    // At the places of a picture's own samples.
-    const Truth& truthLike(const RenderRequest& request) {
-        const bool rays = request.shading == Shading::ray;
-        return truthAt(request.samples, request.fill, request.samples, rays ? request.rays.sampling : Sampling::grid);
+    // Places of a picture's own samples.
+    static Sampling placesOf(const RenderRequest& request) { return request.shading == Shading::ray ? request.rays.sampling : Sampling::grid; }
+    bool hasTruthOf(const RenderRequest& request) const {
+        return truths_.count({request.samples, request.fill, request.samples, placesOf(request)}) != 0;
     }
 
-    // The one truth has the most accurate choice of every knob: the most samples among the runs.
-    void takeErrors() {
-        uint32_t most = 1;
-        for (const MeasuredRun& run : out_.runs) most = std::max(most, run.setting.request.samples);
+    // Rounds below which no interval would be bounded.
+    uint32_t leastRounds(size_t runs) const { return std::min(plan_.repetitions, roundsToTell(missOf(runs - 1))); }
+    size_t activeRuns() const {
+        return size_t(std::count_if(out_.runs.begin(), out_.runs.end(), [](const MeasuredRun& run) { return !run.cut; }));
+    }
+
+    // Ends at the limit.
+    RenderResult drawWithin(const Setting& setting) {
+        Setting limited = setting;
+        limited.request.onProgress = [this, inner = setting.request.onProgress](double done) {
+            late_ = late_ || leftMs() < 0;
+            return !late_ && (!inner || inner(done));
+        };
+        return plan_.draw(scene_, limited);
+    }
+
+    // What a run is to a picture: equal ones differ in nothing but noise.
+    std::string workOf(size_t i) const {
+        const Setting& s = out_.runs[i].setting;
+        return fmt::format("{} {} {} {}", out_.runs[i].bytes, passNames_[i], s.twin, s.twin ? s.request.threads : 0);
+    }
+
+    // The run that is needed most comes first, the one that is cut first comes last.
+    std::vector<size_t> byImportance() const {
+        std::vector<size_t> asked(out_.runs.size(), axes().size() + out_.runs.size());
+        for (const Row& row : out_.rows)
+            if (row.run) asked[*row.run] = std::min(asked[*row.run], askedPlace(*row.axis));
+        std::vector<std::tuple<int, size_t, double, size_t>> keys;
         for (size_t i = 0; i < out_.runs.size(); ++i) {
-            MeasuredRun& run = out_.runs[i];
-            if (i > 0 && leftMs() < 0) {
-                run.cut = true;
-                continue;
-            }
-            Setting full = run.setting;
-            if (full.request.shading != Shading::wire)
-                full.request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
-            RenderResult result;
-            try {
-                result = plan_.draw(scene_, full);
-            } catch (const Error& refusal) {
-                // The notes' fill does not draw every mesh; the default picture must be drawn.
-                if (i == 0 || (refusal.exit() != Exit::input && refusal.exit() != Exit::usage)) throw;
-                run.refused = refusal.what();
-                run.cut = true;
-                continue;
-            }
-            if (full.request.shading != Shading::wire) {
-                const bool transparent = full.request.transparent;
-                const Fill fill = full.request.fill;
-                run.error = errorOf(result.frame, truthAt(most, fill, full.request.samples), full.request.encoding, transparent);
-                const Truth& own = truthLike(full.request);
-                run.alike = &own == &truthAt(most, fill, full.request.samples) ? run.error : errorOf(result.frame, own, full.request.encoding, transparent);
-                run.alike->perPixel.clear();
-                run.alike->unroundedPerPixel.clear();
-                if (i == 0) baseFrame_ = result.frame;
-                run.error->unroundedPerPixel.clear();
-                // The twin draws the same bytes as the device, with any number of threads.
-                Setting same = run.setting;
-                same.twin = plan_.base.twin;
-                same.request.threads = plan_.base.request.threads;
-                if (i > 0 && wordsOf(same) == wordsOf(plan_.base))
-                    run.rounding = out_.runs[0].rounding;
-                else if (i == 0 || leftMs() > 0)
-                    run.rounding = roundingOf(scene_, full.request, result.frame);
-                if (i > 0) takeBound(run, result.frame, truthAt(most, fill, full.request.samples));
-                if (!plan_.keepPictures) run.error->perPixel.clear();
-            }
-            estimates_[i] = result.totalMs;
-            run.rays = result.counters.rays;
-            if (full.request.planes != run.setting.request.planes) {
-                const RenderResult plain = plan_.draw(scene_, run.setting);
-                if (plain.frame.rgba != result.frame.rgba)
-                    throw renderError(fmt::format("'{}' draws other bytes with planes than without", wordsOf(run.setting)));
-                estimates_[i] = plain.totalMs;
-            }
-            if (plan_.keepPictures) run.rgba = result.frame.rgba;
-            tell(0.3 * double(i + 1) / double(out_.runs.size()));
+            const MeasuredRun& run = out_.runs[i];
+            const bool repeats = !run.bytes.empty() && workOf(i) == workOf(0);
+            const int kind = i == 0 ? 0 : run.setting.again ? 2 : repeats ? 3 : 1;
+            keys.emplace_back(kind, asked[i], estimates_[i], i);
         }
-        out_.truth = truthAt(most, plan_.base.request.fill, plan_.base.request.samples);
+        std::sort(keys.begin(), keys.end());
+        std::vector<size_t> order;
+        for (const auto& key : keys) order.push_back(std::get<3>(key));
+        return order;
+    }
+
+    void cutRun(size_t i, double neededMs) {
+        out_.runs[i].cut = true;
+        out_.runs[i].cutWhy = fmt::format("about {:.1f} s were needed, {:.1f} s were left", neededMs / 1000, std::max(0.0, leftMs()) / 1000);
+    }
+
+    // ms that the errors of a run take, and the rounds of all runs with it, from what others took. No choice is cut on a guess that it is slower: its draws
+    // count like the default's until it has been drawn.
+    std::pair<double, double> predictedMs(size_t i) const {
+        const RenderRequest& request = out_.runs[i].setting.request;
+        double errors = (restMs_.empty() ? 0 : medianOf(restMs_)) + 2 * estimates_[0];
+        if (request.shading != Shading::wire && !hasTruthOf(request)) errors += truthMs_ * request.samples;
+        double round = estimates_[0];
+        size_t runs = 1;
+        for (size_t k = 0; k < out_.runs.size(); ++k)
+            if (k != i && active(k) && estimates_[k] > 0) round += estimates_[k], ++runs;
+        return {errors, leastRounds(runs + 1) * round};
+    }
+
+    // Errors of all, the most important first, so that the limit cuts the others.
+    void takeErrors() {
+        const double before = elapsedMs();
+        takeErrorsOf(0);
+        estimates_[1] = estimates_[0];
+        out_.runs[1] = out_.runs[0];
+        out_.runs[1].setting.again = true;
+        out_.runs[1].boundWhy = "the default picture itself";
+        passNames_[1] = passNames_[0];
+        restMs_.push_back(std::max(0.0, elapsedMs() - before - truthsOfDefaultMs_ - 2 * estimates_[0]));
+        size_t done = 2;
+        for (const size_t i : byImportance()) {
+            if (i < 2) continue;
+            const auto [errors, rounds] = predictedMs(i);
+            const double begun = elapsedMs();
+            if (begun + errors + rounds > kPlannedShare * endMs()) {
+                cutRun(i, errors + rounds);
+            } else {
+                takeErrorsOf(i);
+                restMs_.push_back(std::max(0.0, elapsedMs() - begun - 2 * estimates_[i]));
+            }
+            tell(0.3 * double(++done) / double(out_.runs.size()));
+        }
+        const uint32_t most = mostSamples(plan_.base);
+        const RenderRequest& base = plan_.base.request;
+        if (const Truth* truth = truthAt(most, base.fill, base.samples, Sampling::grid, 0)) out_.truth = *truth;
+    }
+
+    void takeErrorsOf(size_t i) {
+        MeasuredRun& run = out_.runs[i];
+        Setting full = run.setting;
+        if (full.request.shading != Shading::wire)
+            full.request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
+        RenderResult result, plain;
+        try {
+            result = i == 0 ? plan_.draw(scene_, full) : drawWithin(full);
+            plain = full.request.planes == run.setting.request.planes ? result : i == 0 ? plan_.draw(scene_, run.setting) : drawWithin(run.setting);
+        } catch (const Error& refusal) {
+            if (late_) {
+                late_ = false;
+                return cutRun(i, predictedMs(i).first);
+            }
+            // The notes' fill does not draw every mesh; the default picture must be drawn.
+            if (i == 0 || (refusal.exit() != Exit::input && refusal.exit() != Exit::usage)) throw;
+            run.refused = refusal.what();
+            run.cut = true;
+            return;
+        }
+        if (plain.frame.rgba != result.frame.rgba)
+            throw renderError(fmt::format("'{}' draws other bytes with planes than without", wordsOf(run.setting)));
+        estimates_[i] = plain.totalMs;
+        run.rays = result.counters.rays;
+        run.bytes = sha256Hex(std::as_bytes(std::span(result.frame.rgba)));
+        for (const PassTime& time : plain.times) passNames_[i] += time.pass + ",";
+        if (plan_.keepPictures) run.rgba = result.frame.rgba;
+        if (full.request.shading != Shading::wire) compareWithTruth(i, full.request, result.frame);
+    }
+
+    void compareWithTruth(size_t i, const RenderRequest& request, const Frame& frame) {
+        MeasuredRun& run = out_.runs[i];
+        const double begun = elapsedMs(), until = i == 0 ? kTruthShare * endMs() : endMs();
+        // The one truth has the most samples that any choice of any axis takes, whatever axes are measured. Its samples lie in a grid.
+        const Truth* own = truthAt(request.samples, request.fill, request.samples, placesOf(request), until);
+        const Truth* most = truthAt(mostSamples(plan_.base), request.fill, request.samples, Sampling::grid, until);
+        if (i == 0) truthsOfDefaultMs_ = elapsedMs() - begun;
+        if (most != nullptr) {
+            run.error = errorOf(frame, *most, request.encoding, request.transparent);
+            if (i == 0) baseFrame_ = frame;
+            run.error->unroundedPerPixel.clear();
+        }
+        if (own != nullptr) {
+            run.alike = own == most ? run.error : errorOf(frame, *own, request.encoding, request.transparent);
+            run.alike->perPixel.clear();
+            run.alike->unroundedPerPixel.clear();
+        }
+        // The twin draws the same bytes as the device, with any number of threads.
+        Setting same = run.setting;
+        same.twin = plan_.base.twin;
+        same.request.threads = plan_.base.request.threads;
+        if (i > 0 && wordsOf(same) == wordsOf(plan_.base))
+            run.rounding = out_.runs[0].rounding;
+        else if (leftMs() > 0)
+            run.rounding = roundingOf(scene_, request, frame);
+        if (i > 0 && run.error && out_.runs[0].error)
+            takeBound(run, frame, *most);
+        else if (i > 0)
+            run.boundWhy = "no time left of the limit for the truth";
+        if (run.error && !plan_.keepPictures) run.error->perPixel.clear();
     }
 
     // Only where nothing but the trade differs from the default picture, and that gives nothing away.
@@ -236,34 +358,63 @@ private:
         return wordsOf(run.setting);
     }
 
-    void planRounds() {
-        const uint32_t least = std::min(2u, plan_.repetitions);
-        const auto round = [&] {
-            double sum = 0;
-            for (size_t i = 0; i < out_.runs.size(); ++i) sum += out_.runs[i].cut ? 0 : estimates_[i];
-            return sum;
-        };
-        while (least * round() > kPlannedShare * leftMs()) {
-            size_t slowest = 0;
-            for (size_t i = 1; i < out_.runs.size(); ++i)
-                if (!out_.runs[i].cut && (slowest == 0 || estimates_[i] > estimates_[slowest])) slowest = i;
-            if (slowest == 0) break;  // the default picture stays
-            out_.runs[slowest].cut = true;
+    double roundMs() const {
+        double sum = 0;
+        for (size_t i = 0; i < out_.runs.size(); ++i) sum += active(i) ? estimates_[i] : 0;
+        return sum;
+    }
+
+    // Cuts what leaves the others no time for as many rounds as can tell anything apart.
+    void cutToFit() {
+        const std::vector<size_t> order = byImportance();
+        for (size_t k = order.size(); k-- > 1;) {
+            if (!active(order[k])) continue;
+            const uint32_t least = leastRounds(activeRuns());
+            const double needed = (least > out_.repetitions ? least - out_.repetitions : 0) * roundMs();
+            if (elapsedMs() + needed <= endMs() - (1 - kPlannedShare) * std::max(0.0, leftMs())) return;
+            cutRun(order[k], needed);
         }
-        const double possible = std::floor(std::max(0.0, kPlannedShare * leftMs()) / std::max(round(), 1e-3));
-        rounds_ = uint32_t(std::clamp(possible, double(least), double(plan_.repetitions)));
+    }
+
+    // One time of each run that is not cut, by its place in runs; empty where the limit ends the round, which then does not count.
+    std::vector<RenderResult> takeRound(const std::vector<size_t>& runs, const std::vector<size_t>& order) {
+        std::vector<RenderResult> results(out_.runs.size());
+        for (const size_t place : order) {
+            const size_t i = runs[place];
+            const bool must = i == 0 && out_.repetitions == 0 && runs.size() == 1;  // the default has a time, whatever the limit
+            if (!must && leftMs() < std::max(estimates_[i], out_.runs[i].total.ms.empty() ? 0 : out_.runs[i].total.max())) return {};
+            try {
+                results[i] = must ? plan_.draw(scene_, out_.runs[i].setting) : drawWithin(out_.runs[i].setting);
+            } catch (const Error&) {
+                if (!late_) throw;
+                late_ = false;
+                return {};
+            }
+            results[i].frame = {};
+        }
+        return results;
     }
 
     void takeTimes() {
-        for (uint32_t r = 0; r < rounds_; ++r) {
-            // A round is taken whole or not at all once each run has been timed twice, so that all rows have the same number.
-            if (r >= 2 && leftMs() < 0) break;
-            const double before = elapsedMs();
-            for (MeasuredRun& run : out_.runs) {
-                if (run.cut) continue;
-                const RenderResult result = plan_.draw(scene_, run.setting);
-                run.total.ms.push_back(result.totalMs);
-                for (const PassTime& time : result.times) {
+        RoundOrder order(plan_.seed);
+        while (out_.repetitions < plan_.repetitions) {
+            cutToFit();
+            std::vector<size_t> runs;
+            for (size_t i = 0; i < out_.runs.size(); ++i)
+                if (active(i)) runs.push_back(i);
+            const std::vector<RenderResult> results = takeRound(runs, order.next(runs.size()));
+            if (results.empty()) {
+                if (out_.repetitions > 0 || runs.size() == 1) break;
+                // Not even one round: the default alone is timed.
+                for (const size_t i : runs)
+                    if (i > 0) cutRun(i, roundMs());
+                continue;
+            }
+            for (const size_t i : runs) {
+                MeasuredRun& run = out_.runs[i];
+                run.total.ms.push_back(results[i].totalMs);
+                estimates_[i] = std::accumulate(run.total.ms.begin(), run.total.ms.end(), 0.0) / double(run.total.ms.size());
+                for (const PassTime& time : results[i].times) {
                     auto place = std::find_if(run.passes.begin(), run.passes.end(),
                                               [&](const auto& p) { return p.first == time.pass; });
                     if (place == run.passes.end()) place = run.passes.insert(run.passes.end(), {time.pass, {}});
@@ -271,65 +422,122 @@ private:
                 }
             }
             ++out_.repetitions;
-            // The first draws made pipelines, the first round shows what one takes: more may fit than were planned, never fewer.
-            if (r == 0) {
-                const double more = std::floor(std::max(0.0, kPlannedShare * leftMs()) / std::max(elapsedMs() - before, 1e-3));
-                rounds_ = std::max(rounds_, uint32_t(std::min(1 + more, double(plan_.repetitions))));
-            }
-            tell(0.3 + 0.7 * double(r + 1) / rounds_);
+            tell(0.3 + 0.7 * double(out_.repetitions) / plan_.repetitions);
         }
+    }
+
+    // The interval of each run's ratio to the default in the same round, and its word.
+    void tellApart() {
+        out_.comparisons = activeRuns() - 1;
+        out_.miss = missOf(out_.comparisons);
+        for (size_t i = 0; i < out_.runs.size(); ++i) {
+            MeasuredRun& run = out_.runs[i];
+            if (run.cut) continue;
+            std::vector<double> ratios;
+            for (size_t r = 0; r < run.total.ms.size(); ++r) ratios.push_back(run.total.ms[r] / out_.runs[0].total.ms[r]);
+            run.ratio = intervalOf(ratios, out_.miss);
+            if (i == 0 && run.ratio) run.ratio = RatioInterval{};
+            if (run.ratio && !run.ratio->holdsOne()) run.told = run.ratio->high < 1 ? Told::faster : Told::slower;
+        }
+    }
+
+    // The front among these runs, of which the first is the default; indices of runs.
+    std::vector<size_t> frontAmong(const std::vector<size_t>& among) const {
+        std::map<std::pair<uint32_t, Sampling>, size_t> places;
+        std::map<std::string, size_t> works;
+        std::vector<FrontPoint> points;
+        std::vector<size_t> runs;
+        for (const size_t i : among) {
+            const MeasuredRun& run = out_.runs[i];
+            const RenderRequest& request = run.setting.request;
+            if (run.cut || !run.alike || !run.ratio) continue;
+            FrontPoint point;
+            point.samples = places.try_emplace({request.samples, placesOf(request)}, places.size()).first->second;
+            if (!run.error && point.samples != 0) continue;  // no truth to compare other samples by
+            point.low = run.ratio->low, point.high = run.ratio->high;
+            point.errorAtItsSamples = run.alike->picture.rms;
+            point.errorAtMostSamples = run.error ? run.error->picture.rms : 0;
+            point.work = works.try_emplace(workOf(i), works.size()).first->second;
+            point.again = run.setting.again;
+            points.push_back(point);
+            runs.push_back(i);
+        }
+        const std::vector<bool> front = frontOf(points);
+        std::vector<size_t> out;
+        for (size_t k = 0; k < runs.size(); ++k)
+            if (front[k]) out.push_back(runs[k]);
+        return out;
+    }
+
+    void takeFronts() {
+        std::vector<size_t> all;
+        std::map<const Axis*, std::vector<size_t>> ofAxis;
+        for (size_t i = 0; i < out_.runs.size(); ++i) all.push_back(i);
+        for (const Row& row : out_.rows) {
+            std::vector<size_t>& runs = ofAxis[row.axis];
+            if (runs.empty()) runs.push_back(0);
+            if (row.run && *row.run != 0) runs.push_back(*row.run);
+        }
+        std::vector<size_t> front = frontAmong(all);
+        std::map<const Axis*, std::vector<size_t>> axisFront;
+        for (const auto& [axis, runs] : ofAxis) axisFront[axis] = frontAmong(runs);
+        const auto holds = [](const std::vector<size_t>& runs, size_t run) { return std::find(runs.begin(), runs.end(), run) != runs.end(); };
+        for (Row& row : out_.rows) {
+            row.onFront = row.run && holds(front, *row.run);
+            row.onAxisFront = row.run && holds(axisFront[row.axis], *row.run);
+        }
+        std::stable_sort(front.begin(), front.end(), [&](size_t a, size_t b) { return *out_.runs[a].total.median() < *out_.runs[b].total.median(); });
+        for (const size_t run : front)
+            out_.front.push_back(size_t(std::find_if(out_.rows.begin(), out_.rows.end(), [&](const Row& row) { return row.run == run; }) - out_.rows.begin()));
     }
 
     void finish() {
         std::vector<Row> kept;
         for (Row& row : out_.rows) {
-            if (row.run && !out_.runs[*row.run].refused.empty()) {
-                row.why = out_.runs[*row.run].refused;
+            MeasuredRun* run = row.run ? &out_.runs[*row.run] : nullptr;
+            if (run != nullptr && !run->refused.empty()) {
+                row.why = run->refused;
                 row.run.reset();
+            } else if (run != nullptr && run->cut) {
+                row.why = run->cutWhy;
+                out_.cut.push_back(row);
+                continue;
+            } else if (run != nullptr && row.why.empty() && !run->alike) {
+                row.why = "no time left of the limit for the truth";
             }
-            (row.run && out_.runs[*row.run].cut ? out_.cut : kept).push_back(row);
+            kept.push_back(row);
         }
         out_.rows = std::move(kept);
-        std::vector<TradePoint> points;
-        std::vector<size_t> runs;
-        for (size_t i = 0; i < out_.runs.size(); ++i) {
-            const MeasuredRun& run = out_.runs[i];
-            if (run.cut || !run.error || run.total.ms.empty()) continue;
-            points.push_back({run.total.median(), run.error->picture.rms});
-            runs.push_back(i);
-        }
-        for (const size_t point : paretoFront(points)) {
-            bool first = true;
-            for (size_t i = 0; i < out_.rows.size(); ++i) {
-                if (out_.rows[i].run != runs[point]) continue;
-                out_.rows[i].onFront = true;
-                if (first) out_.front.push_back(i);
-                first = false;
-            }
-        }
+        takeFronts();
         out_.totalMs = elapsedMs();
+        out_.limitKept = out_.totalMs <= plan_.limitMs;
     }
 
     const Scene& scene_;
     const MeasurePlan& plan_;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     Measurement out_;
-    std::map<std::tuple<uint32_t, Fill, uint32_t, Sampling>, Truth> truths_;  // by its samples, fill, samples drawn, places of rays
+    // By its samples, fill, samples drawn, places of rays; none: the limit left no time for it.
+    std::map<std::tuple<uint32_t, Fill, uint32_t, Sampling>, std::optional<Truth>> truths_;
     Frame baseFrame_;  // the default picture
     std::optional<BoundOfRays> raysBound_;
-    std::vector<double> estimates_;  // ms of one draw of each run
-    uint32_t rounds_ = 0;
+    std::vector<double> estimates_;  // ms of one draw of each run; 0: not drawn yet
+    std::vector<std::string> passNames_;  // of each run, in the order in which they ran
+    std::vector<double> restMs_;     // what errors took beside two draws, of each run that has them
+    double truthMs_ = 0;             // the most that a truth took, a sample a pixel
+    double truthsOfDefaultMs_ = 0;
+    double told_ = 0;                // progress
+    bool late_ = false;              // the limit ended a draw
 };
 
 }  // namespace
 
-double Times::median() const {
-    PLUMB_ASSERT(!ms.empty());
-    std::vector<double> sorted = ms;
-    std::sort(sorted.begin(), sorted.end());
-    const size_t n = sorted.size();
-    return n % 2 != 0 ? sorted[n / 2] : (sorted[n / 2 - 1] + sorted[n / 2]) / 2;
+const char* nameOf(Told told) {
+    static constexpr const char* kNames[] = {"faster", "slower", "not told apart"};
+    return kNames[size_t(told)];
 }
+
+std::optional<double> Times::median() const { return ms.size() < kLeastForMedian ? std::nullopt : std::optional(medianOf(ms)); }
 double Times::min() const { return *std::min_element(ms.begin(), ms.end()); }
 double Times::max() const { return *std::max_element(ms.begin(), ms.end()); }
 

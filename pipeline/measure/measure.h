@@ -4,6 +4,7 @@
 
 #include "pipeline/measure/axes.h"
 #include "pipeline/measure/error_bound.h"
+#include "pipeline/measure/telling.h"
 #include "pipeline/render/rounding.h"
 #include "pipeline/truth/frame_error.h"
 
@@ -21,26 +22,36 @@ struct MeasurePlan {
     std::vector<const Axis*> axes;
     Setting base;               // the default picture; each choice changes one thing of it
     bool deviceThere = true;    // false: what needs one is absent
-    uint32_t repetitions = 7;   // wanted; the time may allow fewer
-    double limitMs = 120000;    // of the whole measurement
+    uint32_t repetitions = 31;  // rounds wanted; the time may allow fewer
+    double limitMs = 120000;    // of the whole command: errors and the truth count too
+    double beforeMs = 0;        // of the limit, spent before the measurement began
+    double afterMs = 0;         // of the limit, kept for what follows the measurement
+    uint64_t seed = 0;          // of the order of rounds
     bool keepPictures = false;  // frames and errors by pixel, for the report
     std::function<RenderResult(const Scene&, const Setting&)> draw;
     std::function<void(double)> onProgress;  // 0..1; may throw
 };
 
 struct Times {
-    std::vector<double> ms;  // of each repetition, in the order in which they were taken
-    double median() const;
+    std::vector<double> ms;  // of each round, in the order in which they were taken
+    // None below kLeastForMedian: what lies between two times is not called their median.
+    std::optional<double> median() const;
     double min() const;
     double max() const;
 };
+
+enum class Told { faster, slower, notApart };
+// "faster", "slower", "not told apart": than the default.
+const char* nameOf(Told);
 
 // A distinct way to draw; rows of several axes may share one (the default picture stands in every axis).
 struct MeasuredRun {
     Setting setting;
     Times total;  // host time of a whole render, upload and readback included
     std::vector<std::pair<std::string, Times>> passes;
-    std::optional<FrameError> error;  // against the one truth; none for a wire frame
+    std::optional<RatioInterval> ratio;  // of each round's time to the default's in the same round; none of fewer than kLeastForMedian rounds
+    Told told = Told::notApart;          // what `ratio` says
+    std::optional<FrameError> error;  // against the truth of the most samples; none for a wire frame, or where the limit left no time for that truth
     std::optional<FrameError> alike;  // against the truth at the picture's own samples
     std::optional<ErrorBound> bound;  // of `error`; none for the default picture itself. Below full scale, and `error` is within it
     std::string boundWhy;             // no bound, or none of some figures: why
@@ -49,6 +60,8 @@ struct MeasuredRun {
     std::vector<RenderCounters::RayCounts> rays;  // by depth; of a traced picture
     std::string refused;              // what the renderer says who does not draw this scene so; then it is cut, and its rows are absent
     bool cut = false;                 // the limit left no time for it
+    std::string cutWhy;               // and what it would have needed
+    std::string bytes;                // SHA-256 of the picture
 };
 
 struct Row {
@@ -56,24 +69,28 @@ struct Row {
     const Choice* choice = nullptr;
     bool baseline = false;
     std::optional<size_t> run;  // none: absent
-    std::string why;            // absent or without an error: why
-    bool onFront = false;
+    std::string why;            // absent, cut or without an error: why
+    bool onFront = false;       // among all rows; one answer for all rows of a run
+    bool onAxisFront = false;   // among the choices of its axis and the default
 };
 
 struct Measurement {
-    std::vector<MeasuredRun> runs;  // the first is the default picture
-    std::vector<Row> rows;  // in the order of the axes; those that were cut are in `cut` instead
+    std::vector<MeasuredRun> runs;  // the first is the default picture, the second the default again
+    std::vector<Row> rows;  // the default again, then in the order of the axes; those that were cut are in `cut` instead
     std::vector<Row> cut;
-    std::vector<size_t> front;  // rows, by rising time; a run that several rows share stands once
-    Truth truth;                // with the fill of the default picture, of the most samples among the choices
-    uint32_t repetitions = 0;   // that every row has
+    std::vector<size_t> front;  // rows, by rising time; a run that several rows share stands once. Empty below kLeastForMedian rounds
+    std::optional<Truth> truth;    // with the fill of the default picture, of mostSamples(); none: the limit left no time for it
+    uint32_t repetitions = 0;   // rounds, each with every row that was not cut
+    size_t comparisons = 0;     // runs that were timed beside the default
+    double miss = 0;            // chance that one row's interval misses; missOf()
+    bool limitKept = true;      // false: the default picture alone took longer
     double totalMs = 0;
 };
 
-// Each choice is drawn once with planes for its error and once without to warm up (both must have the same bytes: Error(failed) otherwise), then all
-// are timed in turn, round by round, so that a slow minute of the machine meets all alike. An error beyond its proved bound fails: Error(failed), with the row, the
-// pixel and both numbers. Where the limit leaves no time for two rounds of all, the
-// slowest are cut and listed.
+// Each choice is drawn once with planes for its error and once without to warm up (both must have the same bytes: Error(failed) otherwise). Then all are
+// timed in rounds, in an order that gives every run every other as its forerunner equally often (rounds.h). What the limit leaves no time for is cut and listed: first
+// what repeats the default's pixels and passes, then the axes by falling askedPlace(), the slowest of an axis first. An error beyond its proved bound fails: Error(failed), with
+// the row, the pixel and both numbers.
 Measurement measure(const Scene& scene, const MeasurePlan& plan);
 
 }  // namespace plumb

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Writes a report of a made-up measurement, with everything that a page must survive: bounds, an error of 0, rows that share a picture, absent and cut
-// choices, names that would end a script. usage: report_fixture OUT.html
+// choices, rows that are not told apart, a note, names that would end a script. usage: report_fixture OUT.html
 #include "pipeline/image/image.h"
 #include "pipeline/report/report.h"
 
@@ -33,7 +33,10 @@ ReportPicture disc(const char* axis, const char* choice, double steps, double sh
     return p;
 }
 
+constexpr double kDefaultMs = 11;
+
 Json row(const char* axis, const char* choice, double ms, double error, Json bound, bool front, bool baseline = false) {
+    const double ratio = ms / kDefaultMs, low = baseline ? 1 : ratio * 0.95, high = baseline ? 1 : ratio * 1.08;
     return {{"axis", axis},
             {"choice", choice},
             {"what", "made up"},
@@ -42,6 +45,9 @@ Json row(const char* axis, const char* choice, double ms, double error, Json bou
             {"why", nullptr},
             {"verdict", "bits"},
             {"timeMs", {{"median", ms}, {"min", ms * 0.9}, {"max", ms * 1.3}, {"n", 5}}},
+            {"ratio", ratio},
+            {"ratioInterval", {{"low", low}, {"high", high}}},
+            {"told", baseline ? "default" : high < 1 ? "faster" : low > 1 ? "slower" : "not told apart"},
             {"passesMs", {{"transform", ms * 0.1}, {"fill", ms * 0.6}, {"encode", ms * 0.1}}},
             {"error",
              {{"max", error * 4},
@@ -50,9 +56,10 @@ Json row(const char* axis, const char* choice, double ms, double error, Json bou
               {"mean", error / 2},
               {"rms", error},
               {"wrongPrimitiveShare", error / 10}}},
-            {"errorAtItsSamples", {{"unrounded", {{"rms", axis == std::string("specular") ? error / 1000 : error / 10}}}}},
+            {"errorAtItsSamples", {{"rms", error}, {"unrounded", {{"rms", axis == std::string("specular") ? error / 1000 : error / 10}}}}},
             {"bound", bound},
-            {"onFront", front}};
+            {"onFront", front},
+            {"onAxisFront", true}};
 }
 
 // Of the largest error; the other figures half of it. The choice may move a colour by 0.01 in linear light.
@@ -79,19 +86,23 @@ int main(int count, char** arguments) {
     m["rows"] = Json::array(
         {row("shading", "flat", 4, 0.03, nullptr, true), row("shading", "gouraud", 6, 0.011, bounded(0.2), true),
          row("shading", "phong", 11, 0.002, bounded(0.05), true, true), row("fill", "exact", 11, 0.002, bounded(0.05), false, true),
-         row("samples", "16", 130, 0, nullptr, true), row("specular", "slow", 60, 0.009, bounded(0.15), false)});
+         row("samples", "16", 130, 0, nullptr, true), row("specular", "slow", 60, 0.009, bounded(0.15), false),
+         row("control", "default again", 11.2, 0.002, nullptr, true)});
     m["rows"].push_back({{"axis", "trace"},
                          {"choice", "depth"},
                          {"absent", true},
                          {"why", "nothing is traced"},
                          {"timeMs", nullptr},
                          {"error", nullptr}});
-    m["front"] = Json::array();
+    m["front"] = Json::array({{{"axis", "shading"}, {"choice", "flat"}}});
+    m["telling"] = {{"confidence", 0.95}, {"rows", 5}, {"confidenceOfRow", 0.99}, {"leastRounds", 8}};
+    m["notes"] = {"load 7.00 exceeds 2 cores"};
     m["cut"] = Json::array({{{"axis", "samples"}, {"choice", "64"}, {"why", "no time left"}}});
     const ReportPicture truth = disc("", "", 0, 0);
     const std::vector<ReportPicture> pictures = {disc("shading", "flat", 4, 1.5),   disc("shading", "gouraud", 12, 0.5),
                                                  disc("shading", "phong", 60, 0.2), disc("fill", "exact", 60, 0.2),
-                                                 disc("samples", "16", 0, 0),       disc("specular", "slow", 30, 0)};
+                                                 disc("samples", "16", 0, 0),       disc("specular", "slow", 30, 0),
+                                                 disc("control", "default again", 60, 0.2)};
     const std::string html = plumb::reportHtml(m, truth, pictures);
     plumb::writeFileAtomically(arguments[1], std::as_bytes(std::span(html)), false);
     std::printf("%zu bytes\n", html.size());

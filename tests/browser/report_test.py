@@ -93,7 +93,12 @@ class Report(unittest.TestCase):
     def test_points_are_runs_and_the_front_is_marked(self):
         self.assertEqual(len(self.all(".point")), 5, "two rows are one run")
         self.assertEqual(len(self.all(".point.onfront")), 4)
-        self.assertEqual(len(self.all("#scatter image")), 4)
+        self.assertEqual(len(self.all(".whisker.interval")), 4 * 3, "a bar and its ends; the default is what the others are held against")
+        self.assertIn("not told apart from it: control default again", self.find("#gathered").text)
+        self.assertEqual([e.text for e in self.all("#scatter .name") if "default" in e.text], ["default and 1 not told apart"])
+        self.thumbnails_cover_nothing(least=3)
+        self.assertEqual(len(self.all(".whisker.bound")), 0, "bounds are of the error with edges")
+        Select(self.find("#metric")).select_by_value("rms")
         self.assertEqual(len(self.all(".whisker.bound")), 3, "whiskers to the bounds of three runs")
         tops = lambda: [float(e.get_attribute("y2")) for e in self.all(".whisker.bound")]
         rms = tops()
@@ -109,22 +114,31 @@ class Report(unittest.TestCase):
         self.assertLess(at["shading/flat"][0], at["shading/gouraud"][0])
         self.assertLess(at["shading/flat"][1], at["shading/gouraud"][1])
 
+    def thumbnails_cover_nothing(self, least):
+        covered = self.browser.execute_script("""
+            const box = e => e.getBoundingClientRect(), meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+            const images = [...document.querySelectorAll('#scatter image')], others = [...document.querySelectorAll('#scatter .dot, #scatter .name')];
+            return [images.length, images.flatMap((p, i) => [...others, ...images.slice(i + 1)].filter(o => meet(box(p), box(o))).map(o => o.textContent || o.tagName))];""")
+        self.assertEqual(covered[1], [])
+        self.assertGreaterEqual(covered[0], least)
+
     def column(self, number):
         return [e.text for e in self.all(f"#table tbody td:nth-child({number})")]
 
     def test_sorting(self):
-        self.assertEqual(self.column(2), ["flat", "gouraud", "phong", "exact", "16", "slow"], "the order of the measurement")
+        self.assertEqual([e.text for e in self.all("#table td:nth-child(2) button")], ["flat", "gouraud", "phong", "exact", "16", "slow", "default again"], "the order of the measurement")
+        self.assertEqual(self.column(6), ["faster", "faster", "–", "–", "slower", "slower", "not told apart"])
         button = lambda: self.all("#table th button")[2]
         button().click()
         self.assertEqual([float(v) for v in self.column(3)], sorted(float(v) for v in self.column(3)))
         self.assertEqual(self.all("#table th")[2].get_attribute("aria-sort"), "ascending")
         self.assertEqual(self.browser.switch_to.active_element.text, "median ms", "the focus stays")
         self.press(Keys.ENTER)
-        self.assertEqual([float(v) for v in self.column(3)], [130, 60, 11, 11, 6, 4])
-        self.all("#table th button")[10].click()  # bound: two rows have none
-        self.assertEqual(self.column(11)[-2:], ["–", "–"])
+        self.assertEqual([float(v) for v in self.column(3)], [130, 60, 11.2, 11, 11, 6, 4])
+        self.all("#table th button")[10].click()  # bound: three rows have none
+        self.assertEqual(self.column(11)[-3:], ["–"] * 3)
         self.all("#table th button")[10].click()
-        self.assertEqual(self.column(11)[-2:], ["–", "–"], "what is not known stands last both ways")
+        self.assertEqual(self.column(11)[-3:], ["–"] * 3, "what is not known stands last both ways")
 
     def test_pictures_come_back_exactly(self):
         """The pixels of the canvas are the fixture's own, worked out here again."""
@@ -146,7 +160,7 @@ class Report(unittest.TestCase):
         self.assertIn("inset(0", clip().replace("inset(0px", "inset(0"))
         self.assertNotIn("100%", clip())
         Select(self.find("#right")).select_by_value("shading/flat")
-        self.find("body").click()
+        self.find("h1").click()
         name = lambda: self.find("#name-left").text
         self.find("#stage").send_keys("f")
         self.assertEqual(name(), "truth")
@@ -214,9 +228,19 @@ class Report(unittest.TestCase):
         self.assertNotIn("trace", " ".join(self.column(1)))
 
     def test_narrow_and_dark(self):
-        for width in (400, 1200):
+        for width in (400, 1200, 1280):
             for dark in (False, True):
                 self.open(width, dark)
+                self.assertIn("load 7.00 exceeds 2 cores", self.find("#notes").text)
+                self.assertEqual(self.find("#thumbs").is_displayed(), width > 400, "no box to tick where nothing is shown")
+                self.thumbnails_cover_nothing(least=3 if width > 400 else 0)
+                table = self.browser.execute_script("const t = document.querySelector('#table').parentNode; return [t.scrollWidth, t.clientWidth]")
+                if width > 400:
+                    self.assertLessEqual(table[0], table[1], "no column is cut")
+                self.browser.execute_script("document.querySelector('#table td button').click()")
+                cells = self.browser.execute_script("return [...document.querySelectorAll('#table tr.chosen td')].map(e => getComputedStyle(e).backgroundColor)")
+                self.assertEqual(len(set(cells)), 1, "a chosen row has one colour")
+                self.assertNotIn("rgba(0, 0, 0, 0)", cells)
                 wide = self.browser.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
                 self.assertLessEqual(wide[0], wide[1], "no sideways scrolling of the page")
                 clipped = self.browser.execute_script("return [...document.querySelectorAll('h1, h2, p, select, button, dd')].filter(e => !e.closest('.scroll') && e.getBoundingClientRect().right > innerWidth + 1).map(e => e.textContent)")

@@ -631,7 +631,11 @@ class Measure(Command):
         for key in ("device", "cpu", "threads", "load", "build", "scene", "size", "repetitions", "interleaved", "date"):
             self.assertIn(key, report["context"])
         rows = {(r["axis"], r["choice"]): r for r in report["rows"]}
-        self.assertEqual({a for a, _ in rows}, {"shading", "samples", "specular"})
+        self.assertEqual({a for a, _ in rows}, {"control", "shading", "samples", "specular"})
+        self.assertEqual(report["context"]["order"]["seed"], 0)
+        self.assertEqual(rows["control", "default again"]["error"], rows["shading", "phong"]["error"])
+        self.assertEqual(report["telling"]["rows"], len({json.dumps([r["timeMs"], r["passesMs"]]) for r in rows.values() if not r["absent"]}) - 1)
+        self.assertIn("rounds tell no times apart", " ".join(report["notes"]))
         for row in rows.values():
             if row["absent"]:
                 self.assertTrue(row["why"])
@@ -639,6 +643,8 @@ class Measure(Command):
                 continue
             self.assertEqual(row["timeMs"]["n"], 3)
             self.assertTrue(row["timeMs"]["min"] <= row["timeMs"]["median"] <= row["timeMs"]["max"])
+            self.assertEqual(row["told"], "default" if row["baseline"] else "not told apart", "three rounds tell nothing")
+            self.assertEqual(row["ratioInterval"], {"low": 1, "high": 1} if row["baseline"] else {"low": None, "high": None})
             if row["choice"] == "wire":
                 self.assertIsNone(row["error"])
                 continue
@@ -657,10 +663,24 @@ class Measure(Command):
             if not row["absent"] and row["error"]:
                 self.assertEqual(float(line["error_rms"]), row["error"]["rms"])
                 self.assertEqual(float(line["time_ms_median"]), row["timeMs"]["median"])
+                self.assertEqual(line["told"], row["told"])
+        done = self.twin(0, "measure", "cube.obj", "--axis", "threads", "--repetitions", "12", "--json", "--seed", "9")
+        report = json.loads(done.stdout)
+        self.assertEqual(report["context"]["order"]["seed"], 9)
+        for row in report["rows"]:
+            low, high = row["ratioInterval"]["low"], row["ratioInterval"]["high"]
+            self.assertTrue(low <= row["ratio"] <= high)
+            self.assertEqual(row["told"], "default" if row["baseline"] else "faster" if high < 1 else "slower" if low > 1 else "not told apart")
 
-    def test_no_ratio_without_repetitions(self):
-        report = json.loads(self.twin(0, "measure", "cube.obj", "--axis", "shading", "--repetitions", "1", "--json").stdout)
-        self.assertTrue(all(r["ratio"] is None for r in report["rows"]))
+    def test_nothing_is_said_of_two_rounds(self):
+        for rounds in ("1", "2"):
+            done = self.twin(0, "measure", "cube.obj", "--axis", "shading", "--repetitions", rounds, "--json")
+            report = json.loads(done.stdout)
+            self.assertTrue(all(r["ratio"] is None and r["told"] is None and not r["onFront"] and not r["onAxisFront"] for r in report["rows"]))
+            self.assertTrue(all(r["timeMs"]["median"] is None for r in report["rows"] if r["timeMs"]))
+            self.assertEqual(report["front"], [])
+            self.assertIn("no median", " ".join(report["notes"]))
+            self.assertIn(b"no front", done.stderr)
 
     def test_refusals_are_one_line_and_write_nothing(self):
         for arguments, says in ((["--axis", "shadings"], "shadings"), (["--axis", "shading,,samples"], "--axis"), (["--limit", "5"], "--limit"), (["--limit", "0s"], "--limit"),
@@ -688,6 +708,11 @@ class Measure(Command):
         report = json.loads(self.twin(0, "measure", "cube.obj", "--limit", "1ms", "--json").stdout)
         self.assertTrue(report["cut"])
         self.assertTrue(all(c["why"] for c in report["cut"]))
+        self.assertIsNone(report["truth"])
+        self.assertFalse(report["context"]["limitKept"])
+        self.assertIn("was not kept", " ".join(report["notes"]))
+        self.twin(6, "measure", "cube.obj", "--limit", "1ms", "-o", "r.html", says="no time for the truth")
+        self.assertEqual(self.files(), ["cube.obj"])
 
 
 class Telling(Command):
