@@ -4,6 +4,7 @@
 
 #include "pipeline/render/render.h"
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>

@@ -145,8 +145,8 @@ private:
             std::optional<Truth> truth;
             try {
                 truth = truthOf(scene_, request, drawn);
-            } catch (const Error&) {
-                if (!late) throw;
+            } catch (const Error& error) {
+                if (!late || error.exit() != Exit::interrupted) throw;
             }
             truthMs_ = std::max(truthMs_, (elapsedMs() - begun) / samples);
             found = truths_.emplace(key, std::move(truth)).first;
@@ -255,7 +255,7 @@ private:
             result = i == 0 ? plan_.draw(scene_, full) : drawWithin(full);
             plain = full.request.planes == run.setting.request.planes ? result : i == 0 ? plan_.draw(scene_, run.setting) : drawWithin(run.setting);
         } catch (const Error& refusal) {
-            if (late_) {
+            if (late_ && refusal.exit() == Exit::interrupted) {
                 late_ = false;
                 return cutRun(i, predictedMs(i).first);
             }
@@ -385,8 +385,8 @@ private:
             if (!must && leftMs() < std::max(estimates_[i], out_.runs[i].total.ms.empty() ? 0 : out_.runs[i].total.max())) return {};
             try {
                 results[i] = must ? plan_.draw(scene_, out_.runs[i].setting) : drawWithin(out_.runs[i].setting);
-            } catch (const Error&) {
-                if (!late_) throw;
+            } catch (const Error& error) {
+                if (!late_ || error.exit() != Exit::interrupted) throw;
                 late_ = false;
                 return {};
             }

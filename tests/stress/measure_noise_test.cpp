@@ -6,6 +6,8 @@
 #include "tests/support/device_fixture.h"
 #include "tests/support/ray_scenes.h"
 
+#include <cstdint>
+#include <cstdio>
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>

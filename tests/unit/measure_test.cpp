@@ -7,6 +7,7 @@
 #include "pipeline/measure/telling.h"
 #include "tests/support/ray_scenes.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <algorithm>
