@@ -250,29 +250,37 @@ private:
         Setting full = run.setting;
         if (full.request.shading != Shading::wire)
             full.request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
-        RenderResult result, plain;
+        const std::optional<RenderResult> result = drawnOf(i, full);
+        if (!result) return;
+        run.rays = result->counters.rays;
+        run.bytes = sha256Hex(std::as_bytes(std::span(result->frame.rgba)));
+        if (plan_.keepPictures) run.rgba = result->frame.rgba;
+        if (full.request.shading != Shading::wire) compareWithTruth(i, full.request, result->frame);
+        const std::optional<RenderResult> plain = full.request.planes == run.setting.request.planes ? result : drawnOf(i, run.setting);
+        if (!plain) return;
+        if (plain->frame.rgba != result->frame.rgba)
+            throw renderError(fmt::format("'{}' draws other bytes with planes than without", wordsOf(run.setting)));
+        estimates_[i] = plain->totalMs;
+        for (const PassTime& time : plain->times) passNames_[i] += time.pass + ",";
+    }
+
+    // None: the limit ended it, or the renderer does not draw this; then the run is cut.
+    std::optional<RenderResult> drawnOf(size_t i, const Setting& setting) {
+        MeasuredRun& run = out_.runs[i];
         try {
-            result = i == 0 ? plan_.draw(scene_, full) : drawWithin(full);
-            plain = full.request.planes == run.setting.request.planes ? result : i == 0 ? plan_.draw(scene_, run.setting) : drawWithin(run.setting);
+            return i == 0 ? plan_.draw(scene_, setting) : drawWithin(setting);
         } catch (const Error& refusal) {
             if (late_ && refusal.exit() == Exit::interrupted) {
                 late_ = false;
-                return cutRun(i, predictedMs(i).first);
+                cutRun(i, predictedMs(i).first);
+                return std::nullopt;
             }
             // The notes' fill does not draw every mesh; the default picture must be drawn.
             if (i == 0 || (refusal.exit() != Exit::input && refusal.exit() != Exit::usage)) throw;
             run.refused = refusal.what();
             run.cut = true;
-            return;
+            return std::nullopt;
         }
-        if (plain.frame.rgba != result.frame.rgba)
-            throw renderError(fmt::format("'{}' draws other bytes with planes than without", wordsOf(run.setting)));
-        estimates_[i] = plain.totalMs;
-        run.rays = result.counters.rays;
-        run.bytes = sha256Hex(std::as_bytes(std::span(result.frame.rgba)));
-        for (const PassTime& time : plain.times) passNames_[i] += time.pass + ",";
-        if (plan_.keepPictures) run.rgba = result.frame.rgba;
-        if (full.request.shading != Shading::wire) compareWithTruth(i, full.request, result.frame);
     }
 
     void compareWithTruth(size_t i, const RenderRequest& request, const Frame& frame) {
