@@ -288,6 +288,12 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) { o.limitChunk = number<uint64_t>(v, 1, ~uint64_t(0)); }, false, true},
     {"--limit-band", "ROWS", "rows of a band (tests)", "the device's", "a whole number above 0", kNoWords, kDraw,
      [](Options& o, const std::string& v) { o.limitBand = number<uint32_t>(v, 1, ~uint32_t(0)); }, false, true},
+    {"--format", "FORMAT", "what the inputs are, whatever their names say; '-' is standard input", "by the extension, else by the first bytes", "obj, ply, stl, off, gltf, glb, toml",
+     {"obj", "ply", "stl", "off", "gltf", "glb", "toml"}, kReads,
+     [](Options& o, const std::string& v) {
+         oneOf<int>(v, {{"obj", 0}, {"ply", 0}, {"stl", 0}, {"off", 0}, {"gltf", 0}, {"glb", 0}, {"toml", 0}});
+         o.format = v;
+     }},
     {"--strict", "", "refuse what a file asks for and is not drawn, and missing material libraries", "", "", kNoWords, kReads,
      [](Options& o, const std::string&) { o.strict = true; }},
     {"--allow-outside", "", "let files name files outside their own folder", "", "", kNoWords, kReads, [](Options& o, const std::string&) { o.allowOutside = true; }},
@@ -320,7 +326,7 @@ const std::vector<Flag> kFlags = {
          o.jsonFile = v == "-" ? "" : v;
      }},
     {"--progress", "MODE", "progress on standard error; auto is a bar on a terminal and nothing elsewhere", "auto", "auto, bar, plain, json, none",
-     {"auto", "bar", "plain", "json", "none"}, kDraw | kBench,
+     {"auto", "bar", "plain", "json", "none"}, kDraw | kBench | kInfo,
      [](Options& o, const std::string& v) {
          o.progress = oneOf<ProgressMode>(v, {{"auto", ProgressMode::automatic}, {"bar", ProgressMode::bar}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}});
      }},
@@ -374,7 +380,7 @@ const std::vector<Flag> kFlags = {
 
 const std::vector<CommandRow> kCommands = {
     {kRender, "render", "SCENE|MESH...", "draw a scene",
-     "Draws a scene file (.toml), a glTF (.gltf, .glb) or bare meshes (.obj, .ply, .stl, .off) and writes the picture. A scene without a camera is framed, a bare mesh is lit. "
+     "Draws a scene file (.toml), a glTF (.gltf, .glb) or bare meshes (.obj, .ply, .stl, .off) and writes the picture; '-' is one of these on standard input. A scene without a camera is framed, a bare mesh is lit. "
      "Without a usable Vulkan device the CPU twin draws the same bytes and says so.",
      {{{"plumb render mug.obj -o mug.png", "a framed, lit picture of 640x480 pixels"},
        {"plumb render mug.obj --view front --view iso --view 30,20 --size 320x240 -o sheet.png", "three views as one contact sheet"},

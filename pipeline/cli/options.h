@@ -77,6 +77,7 @@ struct Options {
     uint64_t limitChunk = 0;
     uint32_t limitBand = 0;
 
+    std::string format;                     // of the inputs; empty: by name, else by content
     bool strict = false, allowOutside = false;
     double creaseDegrees = 60;
     std::optional<double> failBlank;        // smallest covered fraction that is not blank

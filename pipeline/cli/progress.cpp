@@ -30,7 +30,7 @@ std::string Progress::clock(double exactSeconds) {
     return seconds < 3600 ? fmt::format("{}:{:02}", seconds / 60, seconds % 60) : fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
 }
 
-void Progress::begin(const std::string& task, double from, double to) {
+void Progress::begin(const std::string& task, double from, double to, std::chrono::milliseconds after) {
     task_ = task;
     from_ = from;
     to_ = to;
@@ -41,6 +41,7 @@ void Progress::begin(const std::string& task, double from, double to) {
         lastTenth_ = -1;
         told_ = false;
     }
+    show_ = after.count() > 0 ? Clock::now() + after : Clock::time_point{};
     update(0);
 }
 
@@ -54,6 +55,7 @@ void Progress::update(double fraction) {
     if (mode_ == ProgressMode::none) return;
     const double whole = shownShare_ = std::clamp(from_ + (to_ - from_) * std::clamp(fraction, 0.0, 1.0), shownShare_, 1.0);
     const auto now = Clock::now();
+    if (now < show_) return;
     const int tenth = int(whole * 10);
     const double elapsed = std::chrono::duration<double>(now - start_).count();
     const std::optional<double> left = secondsLeft(whole, elapsed);

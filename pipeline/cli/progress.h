@@ -22,7 +22,9 @@ public:
 
     // A task and its part of the whole, e.g. "render 3/24" from 2/24 to 3/24. What is shown is the share of the whole; its
     // clock starts with the task that begins at 0. It never falls: work that is done again (a device opened afresh) shows where it was.
-    void begin(const std::string& task, double from = 0, double to = 1);
+    void begin(const std::string& task, double from = 0, double to = 1, std::chrono::milliseconds after = {});  // nothing is shown before `after`
+    void rename(const std::string& task) { task_ = task; }
+    static constexpr std::chrono::milliseconds kMoment{300};
     void update(double fraction);                    // 0..1 of the task
     void clear();                                    // before anything else is printed
 
@@ -35,7 +37,7 @@ private:
     ProgressMode mode_;
     std::FILE* stream_;
     std::string task_;
-    Clock::time_point start_, last_;
+    Clock::time_point start_, last_, show_;
     double from_ = 0, to_ = 1;         // of the task, in the whole
     double shownShare_ = 0;
     int lastTenth_ = -1;

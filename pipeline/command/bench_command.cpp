@@ -123,8 +123,9 @@ Scene sceneOf(const std::string& row, glm::uvec2 size, const Options& options) {
                                      printable(row)));
     Options one = options;
     one.inputs = {row};
-    Scene scene = loadScene({row}, loadOptionsOf(options));
-    const std::vector<Viewpoint> views = viewsOf(scene, size, one);
+    const LoadOptions load = loadOptionsOf(options);
+    Scene scene = loadScene({row}, load);
+    const std::vector<Viewpoint> views = viewsOf(scene, size, one, isBareMesh(row, load));
     scene.camera = views[0].camera;
     scene.lights = views[0].lights;
     return scene;

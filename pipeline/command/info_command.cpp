@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // plumb info: what is in a file, and whether a mesh is closed. Needs no device.
+#include "pipeline/cli/progress.h"
 #include "pipeline/command/command.h"
 #include "pipeline/command/interrupt.h"
 #include "pipeline/command/report.h"
@@ -138,13 +139,16 @@ std::string textOf(const Json& json) {
 }  // namespace
 
 Exit infoCommand(const Options& options) {
+    Progress progress(options.progress, options.quiet);
     std::vector<Json> reports;
     for (const std::string& path : options.inputs) {
         stopIfInterrupted();
-        const Scene scene = loadScene({path}, loadOptionsOf(options));
+        const LoadOptions load = loadOptionsOf(options, &progress, double(reports.size()) / double(options.inputs.size()), double(reports.size() + 1) / double(options.inputs.size()));
+        const Scene scene = loadScene({path}, load);
+        progress.clear();
         Json json;
         json["tool"] = toolJson();
-        json["scene"] = sceneJson(scene, sourcesOf({path}));
+        json["scene"] = sceneJson(scene, sourcesOf({path}, load));
         json["bounds"] = worldBounds(scene);
         json["meshes"] = Json::array();
         for (const TriangleMesh& mesh : scene.meshes) json["meshes"].push_back(meshJson(mesh));

@@ -273,7 +273,8 @@ bool isObject(const Options& options, const Scene& scene, size_t i) {
 }
 
 std::vector<Json> ofScene(const Options& options, const std::string& path) {
-    const Scene scene = loadScene({path}, loadOptionsOf(options));
+    const LoadOptions load = loadOptionsOf(options);
+    const Scene scene = loadScene({path}, load);
     std::vector<Json> reports;
     for (size_t i = 0; i < scene.objects.size(); ++i) {
         if (!isObject(options, scene, i)) continue;
@@ -283,7 +284,7 @@ std::vector<Json> ofScene(const Options& options, const std::string& path) {
         if (chain.empty() && object.worldFromObject != dmat4(1.0)) chain.push_back(matrixStep(object.worldFromObject));
         Json json;
         json["tool"] = toolJson();
-        json["scene"] = sceneJson(scene, sourcesOf({path}));
+        json["scene"] = sceneJson(scene, sourcesOf({path}, load));
         json["object"] = {{"number", i}, {"name", object.name}};
         json.update(chainJson(options, std::span<const Step3>(chain)));
         if (options.inverse && !json.contains("inverse"))

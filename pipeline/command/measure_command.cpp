@@ -344,10 +344,15 @@ Exit measureCommand(const Options& options) {
     if (options.json && options.csv && options.jsonFile == options.csvFile)
         throw usageError("--json and --csv both want the same place: name a file for one of them");
 
-    Scene scene = loadScene({options.inputs.begin(), options.inputs.end()}, loadOptionsOf(options));
-    const std::vector<SourceFile> sources = sourcesOf(options.inputs);
+    Progress progress(options.progress, options.quiet);
+    const LoadOptions loading = loadOptionsOf(options, &progress);
+    Scene scene = loadScene({options.inputs.begin(), options.inputs.end()}, loading);
+    const std::vector<SourceFile> sources = sourcesOf(options.inputs, loading);
+    const bool bareMesh = isBareMesh(options.inputs[0], loading);
+    loading.once->clear();
+    progress.clear();
     const glm::uvec2 size = sizeOf(scene, options);
-    const std::vector<Viewpoint> views = viewsOf(scene, size, options);
+    const std::vector<Viewpoint> views = viewsOf(scene, size, options, bareMesh);
     scene.camera = views[0].camera;
     scene.lights = views[0].lights;
 
@@ -366,7 +371,6 @@ Exit measureCommand(const Options& options) {
         // No fallback here: a time of something else would be a lie.
         return setting.twin ? renderCpu(drawn, setting.request) : renderGpu(*renderer.device(), drawn, setting.request);
     };
-    Progress progress(options.progress, options.quiet);
     progress.begin("measure");
     plan.onProgress = [&progress](double fraction) {
         progress.update(fraction);

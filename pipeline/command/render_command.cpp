@@ -162,10 +162,15 @@ Exit renderCommand(const Options& options) {
     // Opening a device costs more than loading a small scene, and neither needs the other. A refused input is told first.
     const bool draws = !options.output.empty();
     auto opening = std::async(draws ? std::launch::async : std::launch::deferred, [&options] { return std::make_unique<Renderer>(options); });
-    Scene scene = loadScene({options.inputs.begin(), options.inputs.end()}, loadOptionsOf(options));
-    const std::vector<SourceFile> sources = sourcesOf(options.inputs);
+    Progress progress(options.progress, options.quiet);
+    const LoadOptions load = loadOptionsOf(options, &progress);
+    Scene scene = loadScene({options.inputs.begin(), options.inputs.end()}, load);
+    const std::vector<SourceFile> sources = sourcesOf(options.inputs, load);
+    const bool bareMesh = isBareMesh(options.inputs[0], load);
+    load.once->clear();
+    progress.clear();
     const glm::uvec2 size = sizeOf(scene, options);
-    const std::vector<Viewpoint> views = viewsOf(scene, size, options);
+    const std::vector<Viewpoint> views = viewsOf(scene, size, options, bareMesh);
     const double loadMs = millisecondsSince(start);
     for (const std::string& ignored : scene.ignored) say(options, fmt::format("plumb: not drawn: {}", ignored));
     for (const std::string& warning : scene.warnings) say(options, fmt::format("plumb: warning: {}", warning));
@@ -203,7 +208,6 @@ Exit renderCommand(const Options& options) {
     };
     tellFallbacks();
 
-    Progress progress(options.progress, options.quiet);
     request.onProgress = [&progress](double fraction) {
         progress.update(fraction);
         return interruptedBy() == 0;

@@ -2,6 +2,7 @@
 #include "pipeline/command/report.h"
 
 #include "pipeline/image/image.h"
+#include "pipeline/scene/input.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -70,10 +71,10 @@ std::string nothingSeen(const RenderCounters& counters) {
     return fmt::format("plumb: warning: nothing is seen{}", why);
 }
 
-std::vector<SourceFile> sourcesOf(const std::vector<std::string>& paths) {
+std::vector<SourceFile> sourcesOf(const std::vector<std::string>& paths, const LoadOptions& options) {
     std::vector<SourceFile> sources;
     for (const std::string& path : paths) {
-        const std::string bytes = readWholeFile(path);
+        const std::string bytes = readInput(path, options);
         sources.push_back({path, sha256Hex(std::as_bytes(std::span(bytes))), bytes.size()});
     }
     return sources;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/command/renderer.h"
+#include "pipeline/scene/load.h"
 
 #include <cstdint>
 #include <string>
@@ -22,7 +23,7 @@ struct FrameFacts {
     double coveredShare() const { return pixels == 0 ? 0 : double(covered) / double(pixels); }
 };
 
-std::vector<SourceFile> sourcesOf(const std::vector<std::string>& paths);
+std::vector<SourceFile> sourcesOf(const std::vector<std::string>& paths, const LoadOptions&);
 FrameFacts factsOf(const Frame&, bool countColours);  // uncounted, distinctColours is 0
 // Nearly nothing is covered, or the picture has one colour only.
 bool isBlank(const FrameFacts&, double leastShare);

@@ -77,12 +77,19 @@ void rayChoices(const Options& options, const Scene& scene, RenderRequest& reque
 
 }  // namespace
 
-LoadOptions loadOptionsOf(const Options& options) {
+LoadOptions loadOptionsOf(const Options& options, Progress* progress, double from, double to) {
     LoadOptions load;
     load.allowOutside = options.allowOutside;
     load.strict = options.strict;
     load.creaseDegrees = options.creaseDegrees;
-    load.onProgress = [](double) { stopIfInterrupted(); };
+    load.format = options.format;
+    load.onProgress = [progress, from, to, stage = ""](double done, const char* now) mutable {
+        stopIfInterrupted();
+        if (progress == nullptr) return;
+        if (stage[0] == '\0') progress->begin("load", from, to, Progress::kMoment);
+        if (stage != now) progress->rename(fmt::format("load {}", stage = now));
+        progress->update(done);
+    };
     return load;
 }
 

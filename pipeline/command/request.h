@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/cli/options.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/render/render.h"
 #include "pipeline/scene/load.h"
 
@@ -12,7 +13,8 @@
 
 namespace plumb {
 
-LoadOptions loadOptionsOf(const Options&);
+// The load is shown as "load", from one share of the progress to another, where it takes longer than a moment; an interrupt ends it.
+LoadOptions loadOptionsOf(const Options&, Progress* progress = nullptr, double from = 0, double to = 1);
 RenderRequest requestOf(const Options&, const Scene&, glm::uvec2 size);
 // The verdict of docs/accuracy.md on what is drawn: "bits" or "bounded".
 const char* determinismOf(const RenderRequest&);

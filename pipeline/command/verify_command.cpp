@@ -26,6 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kLoadShare = 0.1;  // of a scene's time; a large one takes more, a small one less
+
 // Channels that differ are at least half bright, whatever the difference; all else is black.
 Frame differenceOf(const Frame& a, const Frame& b) {
     Frame difference;
@@ -135,9 +137,14 @@ Exit verifyCommand(const Options& options) {
         stopIfInterrupted();
         Options one = options;
         one.inputs = {options.inputs[i]};
-        Scene scene = loadScene({one.inputs[0]}, loadOptionsOf(options));
+        // A scene's load is the first part of its share.
+        const double begin = double(i) / double(options.inputs.size()), share = 1 / double(options.inputs.size());
+        const double drawn = begin + share * kLoadShare;
+        const LoadOptions load = loadOptionsOf(options, &progress, begin, drawn);
+        Scene scene = loadScene({one.inputs[0]}, load);
+        const std::vector<SourceFile> sources = options.json ? sourcesOf(one.inputs, load) : std::vector<SourceFile>();
         const glm::uvec2 size = sizeOf(scene, one);
-        const std::vector<Viewpoint> views = viewsOf(scene, size, one);
+        const std::vector<Viewpoint> views = viewsOf(scene, size, one, isBareMesh(one.inputs[0], load));
         RenderRequest request = requestOf(one, scene, size);
         request.onProgress = [&progress](double fraction) {
             progress.update(fraction);
@@ -148,7 +155,8 @@ Exit verifyCommand(const Options& options) {
             scene.camera = views[v].camera;
             scene.lights = views[v].lights;
             const size_t item = i * views.size() + v, count = options.inputs.size() * views.size();
-            progress.begin(fmt::format("verify {}/{}", item + 1, count), double(item) / double(count), double(item + 1) / double(count));
+            const double viewCount = double(views.size()), left = begin + share - drawn;
+            progress.begin(fmt::format("verify {}/{}", item + 1, count), drawn + left * double(v) / viewCount, drawn + left * double(v + 1) / viewCount);
             const VerifyReport report = verifyRender(*renderer.device(), scene, request);
             stopIfInterrupted();
             progress.update(1);
@@ -177,7 +185,7 @@ Exit verifyCommand(const Options& options) {
             json["tool"] = toolJson();
             json["host"] = hostJson();
             json["device"] = renderer.json();
-            json["scene"] = sceneJson(scene, sourcesOf(one.inputs));
+            json["scene"] = sceneJson(scene, sources);
             json["view"] = views[v].name;
             json["size"] = {size.x, size.y};
             json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}};

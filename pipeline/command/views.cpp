@@ -63,10 +63,9 @@ glm::uvec2 sizeOf(const Scene& scene, const Options& options) {
     return scene.size.x != 0 && scene.size.y != 0 ? scene.size : glm::uvec2(640, 480);
 }
 
-std::vector<Viewpoint> viewsOf(Scene& scene, glm::uvec2 size, const Options& options) {
+std::vector<Viewpoint> viewsOf(Scene& scene, glm::uvec2 size, const Options& options, bool bareMesh) {
     if (options.up) scene.up = glm::normalize(*options.up);
     if (options.cull) scene.cullBackFaces = *options.cull;
-    const bool bareMesh = isBareMesh(options.inputs[0]);
     const bool unlit = bareMesh && scene.lights.empty();
     const auto view = [&](const std::string& name, const Camera& camera) {
         return Viewpoint{name, camera, unlit ? defaultLights(scene, camera) : scene.lights};

@@ -21,7 +21,7 @@ struct Viewpoint {
 
 // The scene completed for `size` with the camera flags applied, and one Viewpoint a picture (at least one). A bare mesh
 // without lights is lit anew for each camera, so that a view looks the same alone and in company.
-std::vector<Viewpoint> viewsOf(Scene&, glm::uvec2 size, const Options&);
+std::vector<Viewpoint> viewsOf(Scene&, glm::uvec2 size, const Options&, bool bareMesh);
 glm::uvec2 sizeOf(const Scene&, const Options&);
 
 // '{n}', '{n:4}', '{view}', '{aov}', '{eye}', '{field}', '{ink}' filled in. A number is padded with zeros to `digits`, or as the placeholder says.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/scene/add_mesh.h"
+#include "pipeline/scene/input.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/extension.h"
@@ -17,26 +18,18 @@
 namespace plumb {
 namespace {
 
-using MeshReader = PolygonMesh (*)(const std::filesystem::path&, const LoadOptions&);
-struct MeshFormat {
-    std::string_view extension;
-    MeshReader read;
-};
-constexpr std::array<MeshFormat, 4> kMeshFormats{{{".obj", readObj}, {".ply", readPly}, {".stl", readStl}, {".off", readOff}}};
-
-const MeshFormat* meshFormatOf(const std::filesystem::path& path) {
-    const auto found = std::find_if(kMeshFormats.begin(), kMeshFormats.end(),
-                                    [extension = lowerExtension(path)](const MeshFormat& f) { return f.extension == extension; });
-    return found == kMeshFormats.end() ? nullptr : &*found;
-}
-
-bool isGltf(const std::filesystem::path& path) {
-    const std::string extension = lowerExtension(path);
-    return extension == ".gltf" || extension == ".glb";
-}
-
-Error unknownFormat(const std::filesystem::path& path, std::string_view known) {
-    return inputError(printablePath(path), fmt::format("unknown extension '{}'; read are {}", printable(path.extension().string(), 40), known));
+// A mesh of `format`; null for what is no mesh alone.
+PolygonMesh (*readerOf(FileFormat format))(const std::filesystem::path&, const LoadOptions&) {
+    switch (format) {
+        case FileFormat::obj: return readObj;
+        case FileFormat::ply: return readPly;
+        case FileFormat::stl: return readStl;
+        case FileFormat::off: return readOff;
+        case FileFormat::unknown:
+        case FileFormat::gltf:
+        case FileFormat::toml: break;
+    }
+    return nullptr;
 }
 
 void addUnlessThere(std::vector<std::string>& list, const std::vector<std::string>& more) {
@@ -53,10 +46,10 @@ uint32_t defaultMaterial(Scene& scene) {
 
 }  // namespace
 
-uint32_t addMeshFile(Scene& scene, const std::filesystem::path& path, const LoadOptions& options) {
-    const MeshFormat* format = meshFormatOf(path);
-    if (!format) throw unknownFormat(path, ".obj, .ply, .stl, .off");
-    PolygonMesh polygons = format->read(path, options);
+static uint32_t addMeshOf(FileFormat format, Scene& scene, const std::filesystem::path& path, const LoadOptions& options) {
+    const auto read = readerOf(format);
+    PLUMB_ASSERT(read != nullptr);
+    PolygonMesh polygons = read(path, options);
     polygons.place = printablePath(path);
     if (options.strict && !polygons.ignored.empty())
         throw inputError(printablePath(path), polygons.ignored.front() + " would be ignored (--strict)");
@@ -67,25 +60,48 @@ uint32_t addMeshFile(Scene& scene, const std::filesystem::path& path, const Load
     return addFinished(scene, std::move(mesh), printablePath(path));
 }
 
-bool isBareMesh(const std::filesystem::path& path) { return meshFormatOf(path) || isGltf(path); }
+uint32_t addMeshFile(Scene& scene, const std::filesystem::path& path, const LoadOptions& options) {
+    const FileFormat format = formatOfReference(path, options);
+    if (readerOf(format) == nullptr) {
+        std::error_code failed;
+        if (!std::filesystem::exists(path, failed)) readWholeFile(path);  // says why
+        throw inputError(printablePath(path), fmt::format("unknown extension '{}'; read are .obj, .ply, .stl, .off", printable(path.extension().string(), 40)));
+    }
+    return addMeshOf(format, scene, path, options);
+}
+
+bool isBareMesh(const std::filesystem::path& path, const LoadOptions& options) {
+    FileFormat format = options.format.empty() ? formatOfExtension(path) : FileFormat::unknown;
+    if (format == FileFormat::unknown) format = formatOfInput(path, options);
+    return readerOf(format) != nullptr || format == FileFormat::gltf;
+}
 
 Scene loadScene(const std::vector<std::filesystem::path>& paths, const LoadOptions& options) {
     const PlainFloats plain;
     if (paths.empty()) throw usageError("no scene file is given");
+    std::vector<FileFormat> formats;
     for (const std::filesystem::path& path : paths) {
-        if (meshFormatOf(path)) continue;
-        if (!isGltf(path) && lowerExtension(path) != ".toml") throw unknownFormat(path, ".obj, .ply, .stl, .off, .gltf, .glb, .toml");
+        if (isReadOnce(path)) {
+            if (options.once->contains(path.native())) throw usageError(fmt::format("'{}' can be read only once", printablePath(path)));
+            rememberOnce(path, options);
+        }
+        formats.push_back(formatOfInput(path, options));
+        if (readerOf(formats.back()) != nullptr) continue;
         if (paths.size() > 1) throw usageError(fmt::format("'{}' is a whole scene; only mesh files can be given together", printablePath(path)));
-        return isGltf(path) ? readGltf(path, options) : readSceneToml(path, options);
+        return formats.back() == FileFormat::gltf ? readGltf(path, options) : readSceneToml(path, options);
     }
     Scene scene;
     scene.path = paths.front().string();
-    for (const std::filesystem::path& path : paths) {
+    LoadOptions own = options;
+    for (size_t i = 0; i < paths.size(); ++i) {
+        const double share = (options.to - options.from) / double(paths.size());
+        own.from = options.from + share * double(i);
+        own.to = own.from + share;
         Object object;
-        object.mesh = addMeshFile(scene, path, options);
+        object.mesh = addMeshOf(formats[i], scene, paths[i], own);
         object.name = scene.meshes[object.mesh].name;
         scene.objects.push_back(object);
-        if (options.onProgress) options.onProgress(double(scene.objects.size()) / double(paths.size()));
+        if (options.onProgress) options.onProgress(own.to, "finish");
     }
     return scene;
 }

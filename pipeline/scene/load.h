@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <functional>
 #include <glm/glm.hpp>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,8 +20,11 @@ struct LoadOptions {
     bool strict = false;              // ignored features and missing material libraries are refused
     bool keepMaterials = true;        // false: the caller replaces them, so material libraries are not looked for
     double creaseDegrees = 60;        // missing normals: faces meeting at less are smooth
-    double progressMinimumMs = 0;
-    std::function<void(double)> onProgress; // 0..1
+    std::string format;               // obj, ply, stl, off, gltf, glb or toml: of the inputs, whatever their names; empty: by extension, else by content
+    std::function<void(double, const char*)> onProgress;  // 0..1 of all inputs, and the stage: read, parse, finish; often called, may throw
+    double from = 0, to = 1;          // what is told of the file that is read: its part of all
+    // Inputs that can be read only once (standard input, FIFOs), by their paths, for as long as their bytes are asked for.
+    std::shared_ptr<std::map<std::string, std::string>> once = std::make_shared<std::map<std::string, std::string>>();
 };
 
 // One reader a format (files of the same name). The bytes are bounded: regular files only, size checked first.
@@ -35,10 +40,10 @@ Scene readSceneToml(const std::filesystem::path&, const LoadOptions&);   // docs
 // Materials are appended to `materials`; kNone becomes material `fallback`.
 TriangleMesh finishMesh(const PolygonMesh&, std::vector<Material>& materials, uint32_t fallback, const LoadOptions&);
 
-// A mesh file as an object of the scene (by extension). Used by scene files and by loadScene.
+// A mesh file that a scene names, by extension or else by content.
 uint32_t addMeshFile(Scene&, const std::filesystem::path&, const LoadOptions&);  // returns index into scene.meshes
 
-// By extension: a scene file, a glTF, or a bare mesh; several files make one scene of several objects.
+// A scene file, a glTF, or bare meshes: several files make one scene of several objects. "-" is standard input.
 Scene loadScene(const std::vector<std::filesystem::path>&, const LoadOptions&);
 
 // Camera and lights for a scene that has none. `view`: "front", "iso", "az,el" in degrees, or empty (three-quarter
@@ -47,6 +52,7 @@ Camera frameCamera(const Scene&, double aspect, const std::string& view);
 std::vector<Light> defaultLights(const Scene&, const Camera&);  // headlight key + fill, directional
 // Fills what is missing: camera (framed for `size`), lights when the file states none and is a bare mesh, near.
 void completeScene(Scene&, glm::uvec2 size, const std::string& view, bool bareMesh);
-bool isBareMesh(const std::filesystem::path&);   // by extension; glTF too, which may state neither camera nor light
+// A mesh file or a glTF, which may state neither camera nor light. With the options of its load, so that what came through a pipe is known.
+bool isBareMesh(const std::filesystem::path&, const LoadOptions& options = {});
 
 }  // namespace plumb

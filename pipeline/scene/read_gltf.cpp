@@ -6,6 +6,7 @@
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/affine.h"
 #include "pipeline/scene/flattened.h"
+#include "pipeline/scene/input.h"
 #include "pipeline/scene/sha256.h"
 #include "pipeline/scene/text.h"
 
@@ -13,7 +14,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <cstring>
 #include <filesystem>
 #include <fmt/core.h>
@@ -258,6 +261,7 @@ private:
 
     std::filesystem::path path_;
     LoadOptions options_;
+    size_t meshesRead_ = 0;
     std::string bytes_;
     bool isGlb_ = false;
     size_t jsonStart_ = 0;          // of the JSON text in bytes_
@@ -348,6 +352,33 @@ void GltfFile::refuseDeepJson(std::string_view text) const {
     }
 }
 
+// Characters of a text that say how far they are read.
+struct MeteredText {
+    using iterator_category = std::input_iterator_tag;
+    using value_type = char;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const char*;
+    using reference = const char&;
+
+    const char* at;
+    const char* begin;
+    LoadMeter* meter;
+
+    reference operator*() const { return *at; }
+    MeteredText& operator++() {
+        ++at;
+        meter->at(uint64_t(at - begin));
+        return *this;
+    }
+    MeteredText operator++(int) {
+        const MeteredText before = *this;
+        ++*this;
+        return before;
+    }
+    bool operator==(const MeteredText& other) const { return at == other.at; }
+    bool operator!=(const MeteredText& other) const { return at != other.at; }
+};
+
 void GltfFile::parse(std::string_view text) {
     if (text.size() > kMaxJsonBytes)
         throw inputError(placeInJson(0), fmt::format("{} bytes of JSON, more than {}", text.size(), kMaxJsonBytes));
@@ -363,7 +394,8 @@ void GltfFile::parse(std::string_view text) {
         return "JSON: " + printable(message);
     };
     try {
-        json_ = json::parse(text.begin(), text.end());
+        LoadMeter meter(options_, "parse", kReadEnds, kParseEnds, text.size());
+        json_ = json::parse(MeteredText{text.data(), text.data(), &meter}, MeteredText{text.data() + text.size(), text.data(), nullptr});
     } catch (const json::parse_error& error) {
         throw inputError(placeInJson(std::min(text.size(), error.byte == 0 ? 0 : error.byte - 1)), reason(error.what()));
     } catch (const json::out_of_range& error) {
@@ -429,7 +461,7 @@ std::string_view GltfFile::buffer(size_t i) {
             data = *loaded_.back();
         } else {
             if (text.find("://") != text.npos) uri->refuse("names a network address; only files are read");
-            const auto file = resolveReference(path_, percentDecoded(text), options_.allowOutside, uri->place(), "buffer");
+            const auto file = resolveReference(referenceBase(path_, options_), percentDecoded(text), options_.allowOutside, uri->place(), "buffer");
             std::error_code code;
             if (!std::filesystem::exists(file, code)) uri->refuse(fmt::format("'{}' does not exist", printable(text)));
             const auto [known, isNew] = files_.try_emplace(file.lexically_normal().string());
@@ -674,7 +706,9 @@ void GltfFile::readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder& 
     };
     const auto materialValue = primitive.find("material");
     const uint32_t material = materialValue ? uint32_t(materialValue->index(scene_.materials.size() - 1, "materials")) + 1 : 0;
+    LoadMeter meter(options_, "parse", kParseEnds, kParseEnds, triangles);
     for (size_t t = 0; t < triangles; ++t) {
+        meter.at(t);
         // glTF 3.7.2.1: odd triangles of a strip swap their last two vertices; a fan starts each with v1, v2.
         const std::array<size_t, 3> at = mode == 4   ? std::array<size_t, 3>{3 * t, 3 * t + 1, 3 * t + 2}
                                          : mode == 5 ? std::array<size_t, 3>{t, t + 1 + t % 2, t + 2 - t % 2}
@@ -689,6 +723,11 @@ void GltfFile::readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder& 
 uint32_t GltfFile::mesh(const Value& index) {
     const size_t i = index.index(meshes_.size(), "meshes");
     if (meshInScene_[i]) return *meshInScene_[i];
+    // Each mesh has its part of what follows the JSON.
+    LoadOptions own = options_;
+    const double share = (options_.to - options_.from) / double(meshes_.size());
+    own.from = options_.from + share * double(meshesRead_++);
+    own.to = own.from + share;
     PolygonMesh mesh;
     mesh.name = fmt::format("mesh {}", i);
     if (const auto name = meshes_[i].find("name")) mesh.name = name->text();
@@ -696,7 +735,7 @@ uint32_t GltfFile::mesh(const Value& index) {
     Welder positions(mesh.positions), normals(mesh.normals);
     meshes_[i].required("primitives");
     for (const Value& primitive : meshes_[i].list("primitives")) readPrimitive(primitive, mesh, positions, normals);
-    meshInScene_[i] = mesh.faceMaterial.empty() ? kNone : addMesh(scene_, std::move(mesh), meshes_[i].place(), options_);
+    meshInScene_[i] = mesh.faceMaterial.empty() ? kNone : addMesh(scene_, std::move(mesh), meshes_[i].place(), own);
     return *meshInScene_[i];
 }
 
@@ -831,7 +870,7 @@ void GltfFile::readNodes() {
 }
 
 Scene GltfFile::read() {
-    bytes_ = readWholeFile(path_);
+    bytes_ = readInput(path_, options_);
     bytesRead_ = bytes_.size();
     isGlb_ = bytes_.starts_with("glTF");
     parse(isGlb_ ? unpackGlb() : std::string_view(bytes_));

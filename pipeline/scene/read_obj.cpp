@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Wavefront OBJ and its material libraries (Wavefront "Advanced Visualizer" manual, appendix B1, and the MTL text of
 // 1995). Polygons only: free-form curves and surfaces, lines and points are named in `ignored`.
+#include "pipeline/scene/input.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/ray_shares.h"
 #include "pipeline/scene/text.h"
@@ -29,14 +30,16 @@ public:
     ObjReader(const std::filesystem::path& path, const LoadOptions& options) : path_(path), options_(options) {}
 
     PolygonMesh read() {
-        const std::string text = readWholeFile(path_);
+        const std::string text = readInput(path_, options_);
         mesh_.name = path_.stem().string();
         mesh_.faceFirst.push_back(0);
         Scanner in(text, path_);
         in.continued = true;
+        LoadMeter meter(options_, "parse", kReadEnds, kParseEnds, text.size());
         while (!in.atEnd()) {
             statement(in);
             in.skipLine();
+            meter.at(in.offset());
         }
         for (const Later& later : later_) checkLaterCorner(in, text.data() + later.offset, later);
         if (mesh_.faceMaterial.empty()) throw inputError(in.placeAt(text.data() + text.size()), "the file ends and has no face");
@@ -196,7 +199,7 @@ private:
     // False when there is no such file and `last` says that nothing else can be meant: then that is noted.
     bool materialLibrary(const Scanner& in, std::string_view name, bool last) {
         const std::string place = in.place();
-        const std::filesystem::path library = resolveReference(path_, name, options_.allowOutside, place, "material library");
+        const std::filesystem::path library = resolveReference(referenceBase(path_, options_), name, options_.allowOutside, place, "material library");
         std::error_code failed;
         if (!std::filesystem::exists(library, failed)) {
             if (!last) return false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // OFF as Geomview documents it: [ST][C][N]OFF, text, '#' comments. Not read: 4OFF, nOFF (other dimensions), BINARY.
+#include "pipeline/scene/input.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
@@ -20,7 +21,7 @@ constexpr size_t kLeastVertexBytes = 6, kLeastFaceBytes = 8;
 
 class OffReader {
 public:
-    OffReader(const std::filesystem::path& path, const LoadOptions& options) : path_(path), options_(options), text_(readWholeFile(path)), in_(text_, path) {}
+    OffReader(const std::filesystem::path& path, const LoadOptions& options) : path_(path), options_(options), text_(readInput(path, options)), in_(text_, path) {}
 
     PolygonMesh read() {
         mesh_.name = path_.stem().string();
@@ -33,8 +34,9 @@ public:
         if (!edges.empty() && edges[0] != '#') in_.integer(edges, "edge count");
         in_.skipLine();
         mesh_.positions.reserve(size_t(vertices));
-        for (int64_t i = 0; i < vertices; ++i) vertex();
-        for (int64_t i = 0; i < faces; ++i) face();
+        LoadMeter meter(options_, "parse", kReadEnds, kParseEnds, text_.size());
+        for (int64_t i = 0; i < vertices; ++i) vertex(), meter.at(in_.offset());
+        for (int64_t i = 0; i < faces; ++i) face(), meter.at(in_.offset());
         if (!in_.wordAnywhere().empty()) in_.refuse(fmt::format("more data than {} vertices and {} faces", vertices, faces));
         return std::move(mesh_);
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // PLY (Turk, "The PLY Polygon File Format", 1994): ascii, binary of both orders, any properties in any order.
+#include "pipeline/scene/input.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
@@ -62,7 +63,7 @@ struct Element {
 
 class PlyReader {
 public:
-    PlyReader(const std::filesystem::path& path, const LoadOptions& options) : path_(path), options_(options), text_(readWholeFile(path)), in_(text_, path) {}
+    PlyReader(const std::filesystem::path& path, const LoadOptions& options) : path_(path), options_(options), text_(readInput(path, options)), in_(text_, path) {}
 
     PolygonMesh read() {
         mesh_.name = path_.stem().string();
@@ -208,8 +209,10 @@ private:
             if (colours_) mesh_.colours.reserve(element.count);
         }
         if (face) mesh_.faceFirst.reserve(element.count + 1);
+        LoadMeter meter(options_, "parse", kReadEnds + (kParseEnds - kReadEnds) * double(ascii_ ? in_.offset() : at_) / double(text_.size()), kParseEnds, rest);
         float scalar[kScalarRoles] = {};
         for (uint64_t item = 0; item < element.count; ++item) {
+            meter.at(rest - (ascii_ ? text_.size() - in_.offset() : text_.size() - at_));
             for (const Property& property : element.properties) {
                 if (property.list) {
                     list(element, property, item);

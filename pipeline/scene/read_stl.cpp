@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // STL, ascii and binary (3D Systems, 1989). The winding says which side is out; the facets' own normals are checked
 // for NaN and infinity and otherwise not used, because exporters often leave them zero.
+#include "pipeline/scene/input.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
@@ -54,8 +55,10 @@ void readBinary(const std::string& bytes, const std::filesystem::path& path, con
     mesh.faceFirst.reserve(count + 1);
     mesh.faceMaterial.reserve(count);
     bool attributes = false;
+    LoadMeter meter(options, "parse", kReadEnds, kParseEnds, bytes.size());
     for (size_t facet = 0; facet < count; ++facet) {
         const size_t at = kHeaderBytes + facet * kFacetBytes;
+        meter.at(at);
         float numbers[12];
         for (size_t i = 0; i < 12; ++i) {
             numbers[i] = loadAt<float>(bytes, at + 4 * i);
@@ -86,10 +89,11 @@ void expect(Scanner& in, std::string_view keyword) {
     in.refuse(fmt::format("'{}' where '{}' is expected", printable(word, 40), keyword));
 }
 
-void readAscii(const std::string& text, const std::filesystem::path& path, PolygonMesh& mesh) {
+void readAscii(const std::string& text, const std::filesystem::path& path, const LoadOptions& options, PolygonMesh& mesh) {
     static constexpr const char* kVertexField[3] = {"vertex x", "vertex y", "vertex z"};
     static constexpr const char* kNormalField[3] = {"normal x", "normal y", "normal z"};
     Scanner in(text, path);
+    LoadMeter meter(options, "parse", kReadEnds, kParseEnds, text.size());
     expect(in, "solid");
     while (true) {
         in.skipLine();   // the name of the solid
@@ -110,6 +114,7 @@ void readAscii(const std::string& text, const std::filesystem::path& path, Polyg
             expect(in, "endloop");
             expect(in, "endfacet");
             addFacet(mesh, corners);
+            meter.at(in.offset());
         }
         in.skipLine();
         const std::string_view word = in.wordAnywhere(kNoComment);
@@ -122,7 +127,7 @@ void readAscii(const std::string& text, const std::filesystem::path& path, Polyg
 }  // namespace
 
 PolygonMesh readStl(const std::filesystem::path& path, const LoadOptions& options) {
-    const std::string bytes = readWholeFile(path);
+    const std::string bytes = readInput(path, options);
     PolygonMesh mesh;
     mesh.name = path.stem().string();
     mesh.faceFirst.push_back(0);
@@ -133,7 +138,7 @@ PolygonMesh readStl(const std::filesystem::path& path, const LoadOptions& option
     if (exact || !solid || std::string_view(bytes).substr(0, kHeaderBytes).find('\0') != std::string_view::npos)
         readBinary(bytes, path, options, mesh);
     else
-        readAscii(bytes, path, mesh);
+        readAscii(bytes, path, options, mesh);
     return mesh;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/scene/text.h"
 
+#include "pipeline/scene/input.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -8,6 +10,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <functional>
 #include <limits>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -104,7 +107,9 @@ std::string placeOfPointer(const std::filesystem::path& file, std::string_view p
     return fmt::format("{}: {}", printablePath(file), printable(pointer));
 }
 
-std::string readWholeFile(const std::filesystem::path& path, uint64_t maxBytes) {
+std::string readWholeFile(const std::filesystem::path& path, uint64_t maxBytes) { return readWholeFileTelling(path, maxBytes, {}); }
+
+std::string readWholeFileTelling(const std::filesystem::path& path, uint64_t maxBytes, const std::function<void(uint64_t, uint64_t)>& tell) {
     const std::string place = printablePath(path);
     const auto refuse = [&] { return inputError(place, std::strerror(errno)); };
     if (path.native().find('\0') != std::string::npos) throw inputError(place, "the name has a NUL character");
@@ -120,7 +125,8 @@ std::string readWholeFile(const std::filesystem::path& path, uint64_t maxBytes) 
     if (size > maxBytes) throw inputError(place, fmt::format("has {} bytes; at most {} are read", size, maxBytes));
     std::string bytes(size, '\0');
     for (size_t done = 0; done < size;) {
-        const ssize_t got = ::read(file.fd, bytes.data() + done, std::min<size_t>(size - done, size_t(1) << 30));
+        if (tell) tell(done, size);
+        const ssize_t got = ::read(file.fd, bytes.data() + done, std::min<size_t>(size - done, size_t(1) << 22));
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) throw refuse();
         if (got == 0) throw inputError(placeOfByte(path, done), fmt::format("the file ends before its {} bytes", size));

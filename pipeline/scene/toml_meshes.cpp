@@ -3,6 +3,7 @@
 #include "pipeline/scene/toml_scene.h"
 
 #include "pipeline/scene/add_mesh.h"
+#include "pipeline/scene/input.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -41,7 +42,7 @@ void SceneFile::readMesh(const toml::table& table) {
         for (const char* key : {"vertices", "faces", "face_materials"})
             if (const auto* other = table.get(key)) refuse(*other, fmt::format("mesh.{} beside mesh.file", key));
         const std::string reference = stringOf(*fileNode, "mesh.file");
-        const auto file = resolveReference(path_, reference, options.allowOutside, place(*fileNode), "mesh.file");
+        const auto file = resolveReference(referenceBase(path_, options_), reference, options.allowOutside, place(*fileNode), "mesh.file");
         std::error_code code;
         if (!std::filesystem::exists(file, code))
             refuse(*fileNode, fmt::format("mesh.file '{}' does not exist", printable(reference)));

@@ -94,7 +94,7 @@ Case run(Device& device, const fs::path& file, const std::string& flags, bool tr
         const Options options = parseOptions(arguments);
         scene = loadScene({file}, loadOptionsOf(options));
         const glm::uvec2 size = sizeOf(scene, options);
-        const std::vector<Viewpoint> views = viewsOf(scene, size, options);
+        const std::vector<Viewpoint> views = viewsOf(scene, size, options, false);
         scene.camera = views.at(0).camera;
         request = requestOf(options, scene, size);
         request.threads = 1;  // so small a picture takes longer to share out
