@@ -79,8 +79,9 @@ public:
             c.focalPixels > 0 ? c.focalPixels : height_ / 2.0 / std::tan(c.fovYDegrees * 3.14159265358979323846 / 360);
         for (const Object& object : scene.objects) {
             const TriangleMesh& mesh = scene.meshes[object.mesh];
+            const glm::dmat4 toWorld = worldFromMesh(scene, object);
             const auto viewOf = [&](uint32_t v) {
-                const glm::dvec3 p = glm::dvec3(object.worldFromObject * glm::dvec4(mesh.positions[v], 1)) - c.eye;
+                const glm::dvec3 p = glm::dvec3(toWorld * glm::dvec4(mesh.positions[v], 1)) - c.eye;
                 return glm::dvec3(glm::dot(c.right, p), -glm::dot(c.up, p), glm::dot(c.forward, p));
             };
             for (const auto& e : edgesOf(mesh)) {

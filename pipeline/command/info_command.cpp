@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fmt/core.h>
@@ -70,6 +71,7 @@ Edges edgesOf(const TriangleMesh& mesh) {
 }
 
 Json vec(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+Json vec(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 Json meshJson(const TriangleMesh& mesh) {
     const Edges e = edgesOf(mesh);
@@ -86,7 +88,7 @@ Json meshJson(const TriangleMesh& mesh) {
             {"degenerate_faces", mesh.degenerateFaces},
             {"repaired_normals", mesh.repairedNormals},
             {"flushed_denormals", mesh.flushedDenormals},
-            {"bounds", {{"min", vec(mesh.boundsMin)}, {"max", vec(mesh.boundsMax)}}}};
+            {"bounds", {{"min", vec(mesh.statedMin)}, {"max", vec(mesh.statedMax)}}}};
 }
 
 Json materialJson(const Material& m) {
@@ -100,7 +102,7 @@ Json worldBounds(const Scene& scene) {
         const TriangleMesh& mesh = scene.meshes[object.mesh];
         if (mesh.positions.empty()) continue;
         for (int i = 0; i < 8; ++i) {
-            const glm::dvec3 p((i & 1 ? mesh.boundsMax : mesh.boundsMin).x, (i & 2 ? mesh.boundsMax : mesh.boundsMin).y, (i & 4 ? mesh.boundsMax : mesh.boundsMin).z);
+            const glm::dvec3 p((i & 1 ? mesh.statedMax : mesh.statedMin).x, (i & 2 ? mesh.statedMax : mesh.statedMin).y, (i & 4 ? mesh.statedMax : mesh.statedMin).z);
             const glm::dvec3 world(object.worldFromObject * glm::dvec4(p, 1));
             least = glm::min(least, world);
             most = glm::max(most, world);
@@ -110,11 +112,25 @@ Json worldBounds(const Scene& scene) {
     return {{"min", {least.x, least.y, least.z}}, {"max", {most.x, most.y, most.z}}};
 }
 
-std::string textOf(const Json& json) {
-    const auto box = [](const Json& b) {
-        const auto point = [](const Json& p) { return fmt::format("({:g}, {:g}, {:g})", p[0].get<double>(), p[1].get<double>(), p[2].get<double>()); };
-        return b.is_null() ? std::string("nothing") : fmt::format("{} to {}", point(b["min"]), point(b["max"]));
+// Six digits of the box's size: more of the numbers where it lies far from 0, as many as binary64 has at most.
+std::string boxInWords(const Json& box) {
+    constexpr int kDigits = 6, kMostDigits = std::numeric_limits<double>::max_digits10;
+    double size = 0, reach = 0;
+    for (size_t i = 0; i < 3; ++i) {
+        const double least = box["min"][i].get<double>(), most = box["max"][i].get<double>();
+        size = std::max(size, most - least);
+        reach = std::max({reach, std::abs(least), std::abs(most)});
+    }
+    const int more = size > 0 && reach > size ? int(std::ceil(std::log10(reach / size))) : 0;
+    const int digits = std::min(kDigits + more, kMostDigits);
+    const auto point = [&](const Json& p) {
+        return fmt::format("({:.{}g}, {:.{}g}, {:.{}g})", p[0].get<double>(), digits, p[1].get<double>(), digits, p[2].get<double>(), digits);
     };
+    return fmt::format("{} to {}", point(box["min"]), point(box["max"]));
+}
+
+std::string textOf(const Json& json) {
+    const auto box = [](const Json& b) { return b.is_null() ? std::string("nothing") : boxInWords(b); };
     const auto count = [](const Json& value, const char* one, const char* many) { return fmt::format("{} {}", value.get<uint64_t>(), value.get<uint64_t>() == 1 ? one : many); };
     const Json& scene = json["scene"];
     std::string text = fmt::format("{}\n  {}, {}, {}; bounds {}\n", printable(scene["path"].get<std::string>()), count(scene["objects"], "object", "objects"),

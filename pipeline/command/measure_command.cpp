@@ -10,6 +10,7 @@
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/measure/measure.h"
+#include "pipeline/render/vertex_error.h"
 #include "pipeline/report/report.h"
 #include "pipeline/scene/text.h"
 
@@ -364,6 +365,10 @@ Exit measureCommand(const Options& options) {
     plan.base.request = requestOf(options, scene, size);
     if (plan.base.request.shading == Shading::wire)
         throw usageError("--shading: wire has no truth to be measured against; it is a row of the axis 'shading'");
+    for (const VertexError& error : vertexErrors(scene, plan.base.request)) {
+        scene.warnings.push_back(sentenceOf(scene, error));
+        say(options, fmt::format("plumb: warning: {}", scene.warnings.back()));
+    }
     plan.base.request.onProgress = [](double) { return interruptedBy() == 0; };
     plan.base.twin = !plan.deviceThere;
     plan.draw = [&renderer](const Scene& drawn, const Setting& setting) {

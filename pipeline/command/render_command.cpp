@@ -12,6 +12,7 @@
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/measure/axes.h"
+#include "pipeline/render/vertex_error.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -26,6 +27,7 @@
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -185,10 +187,21 @@ Exit renderCommand(const Options& options) {
         throw usageError("--stereo: --fill notes draws spheres in parallel projection, which shows both eyes the same");
     scene.camera = views[0].camera;
     scene.lights = views[0].lights;
+    // Of each view in its JSON; on standard error once an object.
+    std::set<uint32_t> toldMoved;
+    const auto tellMoved = [&](Json& sceneReport) {
+        for (const VertexError& error : vertexErrors(scene, request)) {
+            const std::string sentence = sentenceOf(scene, error);
+            sceneReport["warnings"].push_back(sentence);
+            if (toldMoved.insert(error.object).second) say(options, fmt::format("plumb: warning: {}", sentence));
+        }
+    };
     if (!draws) {
+        Json sceneReport = sceneJson(scene, sources);
+        tellMoved(sceneReport);
         const Plan plan = planRender(scene, request);
         if (!options.json || !options.jsonFile.empty()) printData(explained(plan));
-        writeJson(options, {{{"tool", toolJson()}, {"scene", sceneJson(scene, sources)}, {"camera", cameraJson(views[0].camera)}, {"plan", planJson(plan)}}});
+        writeJson(options, {{{"tool", toolJson()}, {"scene", sceneReport}, {"camera", cameraJson(views[0].camera)}, {"plan", planJson(plan)}}});
         return Exit::done;
     }
     const OutputPlan plan = outputPlanOf(options, views, size);
@@ -263,9 +276,12 @@ Exit renderCommand(const Options& options) {
             tell(text.substr(0, text.size() - 1));
         }
 
-        Json report;
+        Json report, sceneReport;
+        tellMoved(sceneReport);
         if (options.json) report = pictureJson(*renderer, scene, sources, views[i], request, result, facts, blank);
         if (options.json && stereo.form != StereoForm::none) report["stereo"] = stereo.json();
+        if (options.json && sceneReport.contains("warnings"))
+            for (const Json& sentence : sceneReport["warnings"]) report["scene"]["warnings"].push_back(sentence);
         double truthMs = 0;
         if (options.withError) {
             progress.begin("truth" + which, drawn, end);

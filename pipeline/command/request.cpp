@@ -82,6 +82,7 @@ LoadOptions loadOptionsOf(const Options& options, Progress* progress, double fro
     load.allowOutside = options.allowOutside;
     load.strict = options.strict;
     load.creaseDegrees = options.creaseDegrees;
+    load.keepNumbers = options.withError || options.command == kMeasure;
     load.format = options.format;
     load.onProgress = [progress, from, to, stage = ""](double done, const char* now) mutable {
         stopIfInterrupted();

@@ -111,7 +111,8 @@ public:
             const Object& object = scene_.objects[range.sceneObject];
             const TriangleMesh& mesh = scene_.meshes[object.mesh];
             const gpu::ObjectRecord& record = list_.objects[range.record];
-            const auto placeOf = [&](const auto& p) { return dvec3(object.worldFromObject * glm::dvec4(dvec3(p), 1)); };
+            const glm::dmat4 toWorld = worldFromMesh(scene_, object);
+            const auto placeOf = [&](const auto& p) { return dvec3(toWorld * glm::dvec4(dvec3(p), 1)); };
             const auto normalOf = [&](const glm::vec4& v) {
                 const glm::vec3 n(v);
                 return dvec3(gpu::rowTimesVector(record.normal0, n), gpu::rowTimesVector(record.normal1, n), gpu::rowTimesVector(record.normal2, n));

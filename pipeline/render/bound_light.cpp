@@ -17,7 +17,8 @@ template <class Visit>
 void eachTriangle(const Scene& scene, const Visit& visit) {
     for (const Object& object : scene.objects) {
         const TriangleMesh& mesh = scene.meshes[object.mesh];
-        for (const TriangleMesh::Triangle& t : mesh.triangles) visit(object, mesh, t);
+        const glm::dmat4 toWorld = worldFromMesh(scene, object);
+        for (const TriangleMesh::Triangle& t : mesh.triangles) visit(toWorld, mesh, t);
     }
 }
 
@@ -94,9 +95,9 @@ std::vector<dvec3> mostLightOfMaterials(const Scene& scene, const RenderRequest&
         std::vector<double> nearest(scene.materials.size(), kInfinity);
         const auto meet = [&](uint32_t material, double distance) { nearest[material] = std::min(nearest[material], std::max(0.0, distance)); };
         if (!light.directional && light.attenuation != Attenuation::none) {
-            eachTriangle(scene, [&](const Object& object, const TriangleMesh& mesh, const TriangleMesh::Triangle& t) {
+            eachTriangle(scene, [&](const glm::dmat4& toWorld, const TriangleMesh& mesh, const TriangleMesh::Triangle& t) {
                 dvec3 p[3];
-                for (int i = 0; i < 3; ++i) p[i] = dvec3(object.worldFromObject * glm::dvec4(dvec3(mesh.positions[t.vertex[size_t(i)]]), 1));
+                for (int i = 0; i < 3; ++i) p[i] = dvec3(toWorld * glm::dvec4(dvec3(mesh.positions[t.vertex[size_t(i)]]), 1));
                 meet(mesh.faceMaterial[t.face], places.fromLamp(light.position, p));
             });
             // Rays meet these, too; a bounded plane is part of the whole one.

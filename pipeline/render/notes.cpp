@@ -123,11 +123,12 @@ private:
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         if (mesh.selfCrossingFaces > 0) refuseCrossing(object, mesh, mesh.firstSelfCrossing);
         const gpu::ObjectRecord& record = p_.list.objects[r.record];
-        const bool mirrored = mirrors(object.worldFromObject);
+        const glm::dmat4 toWorld = worldFromMesh(scene_, object);
+        const bool mirrored = mirrors(toWorld);
         const uint32_t shading = p_.choices.shading;
         std::vector<dvec3> world(mesh.positions.size());
         for (size_t v = 0; v < world.size(); ++v)
-            world[v] = dvec3(object.worldFromObject * glm::dvec4(mesh.positions[v], 1));
+            world[v] = dvec3(toWorld * glm::dvec4(mesh.positions[v], 1));
 
         struct Face {
             uint32_t face, firstTriangle, triangles;

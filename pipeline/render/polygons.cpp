@@ -70,14 +70,14 @@ Point pointOf(const glm::vec3& p) {
 
 }  // namespace
 
-std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worldFromObject, const glm::dvec3& eye,
+std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh, const glm::dvec3& eye,
                                 WireChoices choices) {
     std::vector<WireEdge> edges;
     if (!choices.perPolygon && !choices.facingOnly) {
         for (const glm::uvec2& e : mesh.edges) edges.push_back({e, kNone});
         return edges;
     }
-    const bool mirrored = mirrors(worldFromObject);
+    const bool mirrored = mirrors(worldFromMesh);
     std::set<std::pair<Point, Point>> drawn;
     for (const FaceTriangles& f : facesOf(mesh)) {
         const std::span<const TriangleMesh::Triangle> own(mesh.triangles.data() + f.first, f.count);
@@ -85,7 +85,7 @@ std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worl
         if (choices.facingOnly) {
             std::vector<glm::dvec3> around;
             const auto add = [&](uint32_t v) {
-                around.emplace_back(worldFromObject * glm::dvec4(mesh.positions[v], 1));
+                around.emplace_back(worldFromMesh * glm::dvec4(mesh.positions[v], 1));
             };
             std::for_each(outline.begin(), outline.end(), add);
             if (outline.empty()) std::for_each(own[0].vertex, own[0].vertex + 3, add);

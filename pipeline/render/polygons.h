@@ -46,7 +46,7 @@ struct WireEdge {
     glm::uvec2 vertex{0};
     uint32_t face = kNone;  // whose edge it is, per polygon
 };
-std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worldFromObject, const glm::dvec3& eye,
+std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh, const glm::dvec3& eye,
                                 WireChoices choices);
 
 }  // namespace plumb

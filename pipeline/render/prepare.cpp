@@ -72,14 +72,14 @@ glm::dmat3 normalMatrix(const glm::dmat3& m, bool mirrored) {
 }
 
 // Relative to the eye, in binary64: the error scales with the distance to the camera, not to the origin.
-glm::dmat4 viewedFromObject(const glm::dmat4& worldFromObject, const Pinhole& v) {
-    glm::dmat4 m = worldFromObject;
+glm::dmat4 viewedFromMesh(const glm::dmat4& worldFromMesh, const Pinhole& v) {
+    glm::dmat4 m = worldFromMesh;
     m[3] -= glm::dvec4(v.eye, 0);
     return m * v.unit;
 }
 
-gpu::LongRecord longRecordOf(const glm::dmat4& worldFromObject, const TriangleMesh& mesh, const Pinhole& v) {
-    const glm::dmat4 m = viewedFromObject(worldFromObject, v);
+gpu::LongRecord longRecordOf(const glm::dmat4& worldFromMesh, const TriangleMesh& mesh, const Pinhole& v) {
+    const glm::dmat4 m = viewedFromMesh(worldFromMesh, v);
     double reach = 0;
     for (int i = 0; i < 3; ++i) reach = std::max({reach, std::abs(double(mesh.boundsMin[i])), std::abs(double(mesh.boundsMax[i]))});
     const int exponent = blockExponent(reach);
@@ -91,8 +91,8 @@ gpu::LongRecord longRecordOf(const glm::dmat4& worldFromObject, const TriangleMe
     return {row(v.right, v.focal), row(v.down, v.focal), row(v.forward, 1), float(std::ldexp(1.0, -exponent))};
 }
 
-gpu::ObjectRecord recordOf(const glm::dmat4& worldFromObject, const Pinhole& v) {
-    const glm::dmat4 m = viewedFromObject(worldFromObject, v);  // rounded once:
+gpu::ObjectRecord recordOf(const glm::dmat4& worldFromMesh, const Pinhole& v) {
+    const glm::dmat4 m = viewedFromMesh(worldFromMesh, v);  // rounded once:
     const auto row = [&](const glm::dvec3& axis, double scale) {
         glm::vec4 r;
         for (int i = 0; i < 4; ++i) {
@@ -118,12 +118,12 @@ gpu::ObjectRecord recordOf(const glm::dmat4& worldFromObject, const Pinhole& v) 
 }
 
 // All eight corners of the box beyond one side of the view, by a margin that covers the rounding of the passes (a pixel).
-bool outsideView(const TriangleMesh& mesh, const glm::dmat4& worldFromObject, const Pinhole& v) {
+bool outsideView(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh, const Pinhole& v) {
     int beyond[5] = {0, 0, 0, 0, 0};
     for (int i = 0; i < 8; ++i) {
         const glm::dvec3 corner(i & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, i & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
                                 i & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
-        const glm::dvec3 p = glm::dvec3(worldFromObject * glm::dvec4(corner, 1)) - v.eye;
+        const glm::dvec3 p = glm::dvec3(worldFromMesh * glm::dvec4(corner, 1)) - v.eye;
         const double x = glm::dot(v.right, p) * v.focal, y = glm::dot(v.down, p) * v.focal, w = glm::dot(v.forward, p);
         const double halfX = v.width / 2 + 1, halfY = v.height / 2 + 1;
         beyond[0] += w < v.near * (1 - 1e-6);
@@ -188,8 +188,9 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
     r.firstEdge = uint32_t(list.edges.size());
     if (list.positions.size() + mesh.positions.size() > 0x7fffffffu || list.triangles.size() + mesh.triangles.size() > 0x7fffffffu)
         throw inputError(scene.path, "the scene has more than 2^31 vertices or triangles");
-    list.objects.push_back(recordOf(object.worldFromObject, view));
-    if (list.numbers != Numbers::fp32) list.longs.push_back(longRecordOf(object.worldFromObject, mesh, view));
+    const glm::dmat4 toWorld = worldFromMesh(scene, object);
+    list.objects.push_back(recordOf(toWorld, view));
+    if (list.numbers != Numbers::fp32) list.longs.push_back(longRecordOf(toWorld, mesh, view));
     checkReach(list.objects.back(), mesh, view.focal, object.name.empty() ? scene.path : object.name);
     const auto slotOf = [&](uint32_t material) { return slotOfMaterial(list, scene, material, materialSlot, unlit); };
     for (size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -197,7 +198,7 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
         list.normals.emplace_back(mesh.normals[i], 0.0f);
         list.vertexMaterial.push_back(slotOf(mesh.vertexMaterial[i]));
     }
-    const glm::dmat4 viewed = viewedFromObject(object.worldFromObject, view);
+    const glm::dmat4 viewed = viewedFromMesh(toWorld, view);
     for (size_t f = 0; f < mesh.faceCentre.size(); ++f) {
         list.facePositions.emplace_back(mesh.faceCentre[f], 1.0f);
         list.faceNormals.emplace_back(mesh.faceNormal[f], 0.0f);
@@ -211,7 +212,7 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
         }
     }
     // Front faces run counter-clockwise as seen in a right-handed world, clockwise in a left-handed one; a mirror swaps.
-    const bool swap = scene.leftHanded != mirrors(object.worldFromObject);
+    const bool swap = scene.leftHanded != mirrors(toWorld);
     for (const TriangleMesh::Triangle& t : mesh.triangles) {
         list.triangles.emplace_back(r.firstVertex + t.vertex[0], r.firstVertex + t.vertex[swap ? 2 : 1],
                                     r.firstVertex + t.vertex[swap ? 1 : 2], slotOf(mesh.faceMaterial[t.face]));
@@ -219,7 +220,7 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
     }
     if (request.shading == Shading::wire) {
         const bool solid = request.wire == WireView::solid;
-        for (const WireEdge& e : wireEdges(mesh, object.worldFromObject, view.eye, {request.wirePerPolygon || solid, request.wire == WireView::culled})) {
+        for (const WireEdge& e : wireEdges(mesh, toWorld, view.eye, {request.wirePerPolygon || solid, request.wire == WireView::culled})) {
             list.edges.push_back(e.vertex + r.firstVertex);
             if (solid) list.edgeFace.push_back(r.firstFace + e.face);
         }
@@ -435,7 +436,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
         const TriangleMesh& mesh = scene.meshes[object.mesh];
         p.counters.vertices += mesh.positions.size();
         p.counters.triangles += mesh.triangles.size();
-        if (!request.keepEverything && outsideView(mesh, object.worldFromObject, view)) {
+        if (!request.keepEverything && outsideView(mesh, worldFromMesh(scene, object), view)) {
             p.plan.dropped.push_back({fmt::format("object {}", object.name.empty() ? std::to_string(i) : object.name), "outside the view"});
             continue;
         }

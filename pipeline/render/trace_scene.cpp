@@ -127,8 +127,9 @@ private:
     // Every object's triangles in world space, relative to the eye: composed in binary64, rounded once.
     void addObject(const Object& object) {
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
-        const glm::dmat3 linear(object.worldFromObject);
-        const bool mirrored = mirrors(object.worldFromObject);
+        const glm::dmat4 toWorld = worldFromMesh(scene_, object);
+        const glm::dmat3 linear(toWorld);
+        const bool mirrored = mirrors(toWorld);
         glm::dmat3 normals;  // cofactors: the inverse transpose times the determinant
         normals[0] = glm::cross(linear[1], linear[2]);
         normals[1] = glm::cross(linear[2], linear[0]);
@@ -138,7 +139,7 @@ private:
         if ((out_.triangles.size() / 2 + mesh.triangles.size() + out_.corners.size() / 2 + mesh.positions.size()) > kMostParts)
             throw inputError(scene_.path, fmt::format("--shading ray takes at most {} triangles and corners", kMostParts));
         for (size_t i = 0; i < mesh.positions.size(); ++i) {
-            const glm::dvec3 p = (glm::dvec3(object.worldFromObject * glm::dvec4(mesh.positions[i], 1)) - eye_) * unit_;
+            const glm::dvec3 p = (glm::dvec3(toWorld * glm::dvec4(mesh.positions[i], 1)) - eye_) * unit_;
             if (!(glm::length(p) <= kFarthest))
                 throw inputError(object.name.empty() ? scene_.path : object.name, "it reaches further from the eye than 2^60 times the near plane");
             out_.corners.emplace_back(rounded(p), 1.0f);

@@ -16,11 +16,11 @@
 namespace plumb {
 
 // Smaller meshes would be lost among what the transform snaps to zero (accuracy.md C.1, row 1).
-static constexpr float kLeastExtent = 0x1p-100f;
+static constexpr double kLeastExtent = 0x1p-100;
 
 static uint32_t append(Scene& scene, TriangleMesh mesh, const std::string& place) {
-    const glm::vec3 size = mesh.boundsMax - mesh.boundsMin;
-    const float extent = std::max({size.x, size.y, size.z});
+    const glm::dvec3 size = mesh.statedMax - mesh.statedMin;  // before float32 made 0 of what is too small for it
+    const double extent = std::max({size.x, size.y, size.z});
     if (extent > 0 && extent < kLeastExtent)
         throw inputError(place, fmt::format("the mesh is {:g} across; the smallest that is drawn is {:g}", extent, kLeastExtent));
     if (mesh.place.empty()) mesh.place = place;
@@ -67,7 +67,7 @@ uint32_t addMesh(Scene& scene, PolygonMesh mesh, const std::string& place, const
     }
     if (mesh.place.empty()) mesh.place = place;
     std::vector<Material> numbered;
-    TriangleMesh finished = finishMesh(mesh, numbered, kNone, options);
+    TriangleMesh finished = finishMesh(std::move(mesh), numbered, kNone, options);
     PLUMB_ASSERT(numbered.size() == used.size());
     for (uint32_t& material : finished.vertexMaterial) material = used.at(material);
     for (uint32_t& material : finished.faceMaterial) material = used.at(material);

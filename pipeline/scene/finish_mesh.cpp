@@ -5,6 +5,7 @@
 // Order is the file's: vertices and edges by first use, triangles by face. Nothing depends on a hash's order.
 #include "pipeline/scene/input.h"
 #include "pipeline/scene/load.h"
+#include "pipeline/scene/mesh_origin.h"
 #include "pipeline/scene/text.h"
 
 #include <algorithm>
@@ -265,14 +266,15 @@ private:
 
 class Finisher {
 public:
-    Finisher(const PolygonMesh& in, std::vector<Material>& materials, uint32_t fallback, const LoadOptions& options)
-        : in_(in), materials_(materials), options_(options), fallback_(fallback), crease_(options.creaseDegrees * (kPi / 180)) {}
+    Finisher(PolygonMesh in, std::vector<Material>& materials, uint32_t fallback, const LoadOptions& options)
+        : in_(std::move(in)), materials_(materials), options_(options), fallback_(fallback), crease_(options.creaseDegrees * (kPi / 180)) {}
 
     TriangleMesh run() {
         PLUMB_ASSERT(in_.faceFirst.size() == in_.faceMaterial.size() + 1 || in_.faceMaterial.empty());
         faces_ = in_.faceFirst.empty() ? 0 : in_.faceFirst.size() - 1;
         out_.name = in_.name;
         out_.place = in_.place;
+        takeOrigin();
         weldPositions();
         takeNormals();
         takeMaterials();
@@ -307,10 +309,39 @@ private:
     uint32_t place(uint32_t corner) const { return welded_[in_.corners[corner].position]; }
     glm::dvec3 at(uint32_t corner) const { return glm::dvec3(positions_[in_.corners[corner].position]); }
 
+    // From the box of what faces name; a position that none names moves nothing.
+    void takeOrigin() {
+        const std::vector<bool> named = namedPositions();
+        glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+        for (size_t i = 0; i < named.size(); ++i)
+            if (named[i]) low = glm::min(low, in_.positions[i]), high = glm::max(high, in_.positions[i]);
+        if (low.x <= high.x) out_.statedMin = low, out_.statedMax = high;
+        out_.origin = originOfBox(out_.statedMin, out_.statedMax);
+        positions_.reserve(in_.positions.size());
+        for (size_t i = 0; i < named.size(); ++i) {
+            const glm::dvec3 exact = in_.positions[i] - out_.origin;
+            positions_.push_back(flushed(glm::vec3(exact), out_.flushedDenormals));
+            out_.flushedDenormals += underflows(exact);
+            if (named[i]) out_.lost = glm::max(out_.lost, glm::abs(exact - glm::dvec3(positions_[i])));
+        }
+        if (!options_.keepNumbers || out_.lost == glm::dvec3(0)) in_.positions.release();
+    }
+
+    std::vector<bool> namedPositions() const {
+        std::vector<bool> named(in_.positions.size());
+        for (const PolygonMesh::Corner& corner : in_.corners) named[corner.position] = true;
+        return named;
+    }
+
+    // Numbers that float32 rounds to 0 before flushed() sees them.
+    static uint32_t underflows(const glm::dvec3& v) {
+        uint32_t count = 0;
+        for (int i = 0; i < 3; ++i) count += v[i] != 0 && float(v[i]) == 0;
+        return count;
+    }
+
     // Positions with the same bits are one place: STL repeats them for each triangle.
     void weldPositions() {
-        positions_.reserve(in_.positions.size());
-        for (const glm::vec3& p : in_.positions) positions_.push_back(flushed(p, out_.flushedDenormals));
         welded_.resize(positions_.size());
         IndexTable table(positions_.size());
         const auto hashOf = [&](uint32_t i) {
@@ -501,6 +532,7 @@ private:
                 if (v == fresh) {
                     placeOfVertex.push_back(where);
                     out_.positions.push_back(positions_[where]);
+                    if (!in_.positions.empty()) out_.stated.push_back(in_.positions[where]);
                     out_.normals.push_back(normal);
                     out_.vertexMaterial.push_back(material);
                 }
@@ -546,14 +578,14 @@ private:
         }
     }
 
-    const PolygonMesh& in_;
+    PolygonMesh in_;
     std::vector<Material>& materials_;
     const LoadOptions& options_;
     const uint32_t fallback_;
     const double crease_;                       // radians
     TriangleMesh out_;
     size_t faces_ = 0;
-    std::vector<glm::vec3> positions_;          // flushed
+    std::vector<glm::vec3> positions_;          // from the origin, flushed
     std::vector<uint32_t> welded_;              // position -> the first with the same bits
     std::vector<glm::dvec3> normals_;           // of the file: unit, or 0
     uint32_t firstMaterial_ = 0;
@@ -566,8 +598,8 @@ private:
 
 }  // namespace
 
-TriangleMesh finishMesh(const PolygonMesh& mesh, std::vector<Material>& materials, uint32_t fallback, const LoadOptions& options) {
-    return Finisher(mesh, materials, fallback, options).run();
+TriangleMesh finishMesh(PolygonMesh mesh, std::vector<Material>& materials, uint32_t fallback, const LoadOptions& options) {
+    return Finisher(std::move(mesh), materials, fallback, options).run();
 }
 
 }  // namespace plumb

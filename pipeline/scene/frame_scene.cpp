@@ -115,11 +115,10 @@ Camera frameCamera(const Scene& scene, double aspect, const std::string& view) {
         least = glm::min(least, p);
         most = glm::max(most, p);
     };
-    for (const Object& object : scene.objects)
-        for (const glm::vec3& position : scene.meshes[object.mesh].positions) {
-            const glm::dvec3 world(object.worldFromObject * glm::dvec4(position, 1));
-            include(world);
-        }
+    for (const Object& object : scene.objects) {
+        const glm::dmat4 toWorld = worldFromMesh(scene, object);
+        for (const glm::vec3& position : scene.meshes[object.mesh].positions) include(glm::dvec3(toWorld * glm::dvec4(position, 1)));
+    }
     // The box of a sphere; planes have no end to frame.
     for (const SphereShape& sphere : scene.spheres)
         for (int i = 0; i < 8; ++i)

@@ -54,9 +54,10 @@ static uint32_t addMeshOf(FileFormat format, Scene& scene, const std::filesystem
     if (options.strict && !polygons.ignored.empty())
         throw inputError(printablePath(path), polygons.ignored.front() + " would be ignored (--strict)");
     const bool bare = std::find(polygons.faceMaterial.begin(), polygons.faceMaterial.end(), kNone) != polygons.faceMaterial.end();
-    TriangleMesh mesh = finishMesh(polygons, scene.materials, bare ? defaultMaterial(scene) : kNone, options);
     addUnlessThere(scene.ignored, polygons.ignored);
     addUnlessThere(scene.warnings, polygons.warnings);
+    const uint32_t fallback = bare ? defaultMaterial(scene) : kNone;
+    TriangleMesh mesh = finishMesh(std::move(polygons), scene.materials, fallback, options);
     return addFinished(scene, std::move(mesh), printablePath(path));
 }
 

@@ -20,6 +20,7 @@ struct LoadOptions {
     bool strict = false;              // ignored features and missing material libraries are refused
     bool keepMaterials = true;        // false: the caller replaces them, so material libraries are not looked for
     double creaseDegrees = 60;        // missing normals: faces meeting at less are smooth
+    bool keepNumbers = true;          // meshes keep the file's binary64 positions where float32 rounds them: for truthOf
     std::string format;               // obj, ply, stl, off, gltf, glb or toml: of the inputs, whatever their names; empty: by extension, else by content
     std::function<void(double, const char*)> onProgress;  // 0..1 of all inputs, and the stage: read, parse, finish; often called, may throw
     double from = 0, to = 1;          // what is told of the file that is read: its part of all
@@ -37,8 +38,9 @@ Scene readSceneToml(const std::filesystem::path&, const LoadOptions&);   // docs
 
 // Triangulates (ear clipping for concave faces, fan for convex), builds missing normals per polygon corner with the
 // crease angle, makes (position, normal, material) vertices unique, lists edges once, flushes denormals, counts repairs.
+// A mesh far from 0 gets an origin of its own first, in binary64; all else is decided on what is left (mesh_origin.h).
 // Materials are appended to `materials`; kNone becomes material `fallback`.
-TriangleMesh finishMesh(const PolygonMesh&, std::vector<Material>& materials, uint32_t fallback, const LoadOptions&);
+TriangleMesh finishMesh(PolygonMesh, std::vector<Material>& materials, uint32_t fallback, const LoadOptions&);
 
 // A mesh file that a scene names, by extension or else by content.
 uint32_t addMeshFile(Scene&, const std::filesystem::path&, const LoadOptions&);  // returns index into scene.meshes

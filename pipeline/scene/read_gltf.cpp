@@ -206,14 +206,16 @@ uint32_t Accessor::index(size_t element) const {
 
 // Vertices with the same bits of position (or normal) become one: glTF repeats a position at every seam, and edges
 // and creases are found by position. -0 counts as +0.
+template <class List>
 class Welder {
 public:
-    explicit Welder(std::vector<glm::vec3>& into) : into_(into) {}
-    uint32_t add(glm::vec3 v) {
-        v += 0.0f;
-        const Key key{std::bit_cast<uint32_t>(v.x), std::bit_cast<uint32_t>(v.y), std::bit_cast<uint32_t>(v.z)};
+    explicit Welder(List& into) : into_(into) {}
+    uint32_t add(glm::dvec3 v) {
+        v += 0.0;  // -0 becomes +0
+        // No two numbers of a vertex type have the same float32.
+        const Key key{std::bit_cast<uint32_t>(float(v.x)), std::bit_cast<uint32_t>(float(v.y)), std::bit_cast<uint32_t>(float(v.z))};
         const auto [found, isNew] = known_.try_emplace(key, uint32_t(into_.size()));
-        if (isNew) into_.push_back(v);
+        if (isNew) into_.push_back(typename List::value_type(v));
         return found->second;
     }
 
@@ -226,7 +228,7 @@ private:
             return size_t(h);
         }
     };
-    std::vector<glm::vec3>& into_;
+    List& into_;
     std::unordered_map<Key, uint32_t, Hash> known_;
 };
 
@@ -250,7 +252,7 @@ private:
     void overlaySparse(const Value& from, const Value& sparse, Accessor& accessor);
 
     void readMaterials();
-    void readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder& positions, Welder& normals);
+    void readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder<Positions>& positions, Welder<std::vector<glm::vec3>>& normals);
     uint32_t mesh(const Value& index);
     dmat4 parentFromNode(const Value& node) const;
     void readNode(size_t i, const dmat4& worldFromParent, int depth);
@@ -631,7 +633,7 @@ void GltfFile::readMaterials() {
     }
 }
 
-void GltfFile::readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder& positions, Welder& normals) {
+void GltfFile::readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder<Positions>& positions, Welder<std::vector<glm::vec3>>& normals) {
     ignoreExtensions(primitive, {});
     const auto modeValue = primitive.find("mode");
     const uint64_t mode = modeValue ? modeValue->whole(6) : 4;
@@ -680,7 +682,7 @@ void GltfFile::readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder& 
     if (mesh.corners.size() + 3 * triangles >= kNone) primitive.refuse("the mesh has 2^32 corners or more");
 
     const auto load = [&](const Accessor& from, size_t element, const char* name) {
-        glm::vec3 v;
+        dvec3 v;
         for (int i = 0; i < 3; ++i) {
             const double value = from.component(element, i);
             if (!(std::abs(value) <= kMaxCoordinate))
@@ -688,7 +690,7 @@ void GltfFile::readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder& 
                                                            std::isnan(value)   ? "NaN"
                                                            : std::isinf(value) ? "infinite"
                                                                                : "above 2^100"));
-            v[i] = float(value);
+            v[i] = value;
         }
         return v;
     };
@@ -732,7 +734,8 @@ uint32_t GltfFile::mesh(const Value& index) {
     mesh.name = fmt::format("mesh {}", i);
     if (const auto name = meshes_[i].find("name")) mesh.name = name->text();
     mesh.faceFirst.push_back(0);
-    Welder positions(mesh.positions), normals(mesh.normals);
+    Welder<Positions> positions(mesh.positions);
+    Welder<std::vector<glm::vec3>> normals(mesh.normals);
     meshes_[i].required("primitives");
     for (const Value& primitive : meshes_[i].list("primitives")) readPrimitive(primitive, mesh, positions, normals);
     meshInScene_[i] = mesh.faceMaterial.empty() ? kNone : addMesh(scene_, std::move(mesh), meshes_[i].place(), own);
@@ -917,7 +920,7 @@ Scene GltfFile::read() {
             for (int corner = 0; corner < 8; ++corner) {
                 const dvec4 at(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
                                corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z, 1);
-                const dvec3 world(object.worldFromObject * at);
+                const dvec3 world(worldFromMesh(scene_, object) * at);
                 least = glm::min(least, world);
                 most = glm::max(most, world);
             }

@@ -83,7 +83,7 @@ private:
     }
 
     void vertex(Scanner& in) {
-        const float x = in.number("vertex x"), y = in.number("vertex y"), z = in.number("vertex z");
+        const double x = in.coordinate("vertex x"), y = in.coordinate("vertex y"), z = in.coordinate("vertex z");
         float more[4];
         size_t count = 0;
         for (std::string_view word = in.word(); !word.empty() && word[0] != '#'; word = in.word()) {

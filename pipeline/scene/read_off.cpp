@@ -80,7 +80,8 @@ private:
     }
 
     void vertex() {
-        mesh_.positions.push_back(vector("vertex x", "vertex y", "vertex z"));
+        const double x = in_.coordinate(in_.wordAnywhere(), "vertex x"), y = in_.coordinate(in_.wordAnywhere(), "vertex y"), z = in_.coordinate(in_.wordAnywhere(), "vertex z");
+        mesh_.positions.push_back({x, y, z});
         if (normals_) mesh_.normals.push_back(vector("normal x", "normal y", "normal z"));
         if (!coloured_) {
             if (textured_) in_.number("texture coordinate s"), in_.number("texture coordinate t");

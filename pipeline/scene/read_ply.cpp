@@ -210,7 +210,7 @@ private:
         }
         if (face) mesh_.faceFirst.reserve(element.count + 1);
         LoadMeter meter(options_, "parse", kReadEnds + (kParseEnds - kReadEnds) * double(ascii_ ? in_.offset() : at_) / double(text_.size()), kParseEnds, rest);
-        float scalar[kScalarRoles] = {};
+        double scalar[kScalarRoles] = {};
         for (uint64_t item = 0; item < element.count; ++item) {
             meter.at(rest - (ascii_ ? text_.size() - in_.offset() : text_.size() - at_));
             for (const Property& property : element.properties) {
@@ -224,8 +224,8 @@ private:
             }
             if (vertex) {
                 mesh_.positions.push_back({scalar[kX], scalar[kY], scalar[kZ]});
-                if (normals_) mesh_.normals.push_back({scalar[kNormalX], scalar[kNormalY], scalar[kNormalZ]});
-                if (colours_) mesh_.colours.push_back({scalar[kRed], scalar[kGreen], scalar[kBlue]});
+                if (normals_) mesh_.normals.emplace_back(scalar[kNormalX], scalar[kNormalY], scalar[kNormalZ]);
+                if (colours_) mesh_.colours.emplace_back(scalar[kRed], scalar[kGreen], scalar[kBlue]);
             } else if (face) {
                 mesh_.faceFirst.push_back(uint32_t(mesh_.corners.size()));
                 mesh_.faceMaterial.push_back(kNone);
@@ -242,8 +242,8 @@ private:
         if (!ascii_) return binary(element, property, type, item);
         const std::string_view word = in_.wordAnywhere(kNoComment);
         if (isReal(type)) {
-            float parsed;
-            if (!word.empty() && parseFloat(word, parsed)) return parsed;
+            double parsed;
+            if (!word.empty() && parseDouble(word, parsed)) return parsed;
             return in_.number(word, fieldOf(element, property, item));   // refuses
         }
         int64_t whole = 0;
@@ -278,9 +278,11 @@ private:
         PLUMB_ASSERT(false);
     }
 
-    float real(const Element& element, const Property& property, uint64_t item) {
+    // Positions in binary64, whatever type the header states: exporters write more digits of a `float` than it holds. All else is float32.
+    double real(const Element& element, const Property& property, uint64_t item) {
         const double read = value(element, property, property.type, item);
         if (!(std::abs(read) <= double(kMaxCoordinate))) finiteFloat(read, placeOfValue(), fieldOf(element, property, item));
+        if (property.role <= kZ) return read;
         if (property.role >= kRed && !isReal(property.type)) return float(read / kMost[size_t(property.type)]);
         const float rounded = float(read);
         return rounded == 0 && read != 0 ? std::copysign(std::numeric_limits<float>::denorm_min(), rounded) : rounded;

@@ -31,8 +31,8 @@ T loadAt(const std::string& bytes, size_t offset) {
     return value;
 }
 
-void addFacet(PolygonMesh& mesh, const std::array<glm::vec3, 3>& corners) {
-    for (const glm::vec3& corner : corners) {
+void addFacet(PolygonMesh& mesh, const std::array<glm::dvec3, 3>& corners) {
+    for (const glm::dvec3& corner : corners) {
         mesh.corners.push_back({uint32_t(mesh.positions.size())});
         mesh.positions.push_back(corner);
     }
@@ -106,10 +106,10 @@ void readAscii(const std::string& text, const std::filesystem::path& path, const
             for (const char* field : kNormalField) in.number(in.wordAnywhere(kNoComment), field);
             expect(in, "outer");
             expect(in, "loop");
-            std::array<glm::vec3, 3> corners;
-            for (glm::vec3& corner : corners) {
+            std::array<glm::dvec3, 3> corners;
+            for (glm::dvec3& corner : corners) {
                 expect(in, "vertex");
-                for (int i = 0; i < 3; ++i) corner[i] = in.number(in.wordAnywhere(kNoComment), kVertexField[i]);
+                for (int i = 0; i < 3; ++i) corner[i] = in.coordinate(in.wordAnywhere(kNoComment), kVertexField[i]);
             }
             expect(in, "endloop");
             expect(in, "endfacet");

@@ -35,7 +35,7 @@ enum class Attenuation { none, inverse, inverseSquare };
 struct Object {
     std::string name;
     uint32_t mesh = 0;
-    glm::dmat4 worldFromObject{1.0};  // column vectors: world = worldFromObject * object
+    glm::dmat4 worldFromObject{1.0};  // column vectors: world = worldFromObject * object; of what a mesh keeps: worldFromMesh
     std::vector<Step<glm::dmat4>> chain;  // its elementary steps in order of application, parents' included; scene.toml only
 };
 
@@ -111,5 +111,14 @@ struct Scene {
     std::vector<std::string> ignored; // asked for by a file and not drawn (JSON scene.ignored)
     std::vector<std::string> warnings;
 };
+
+// From the numbers that the object's mesh keeps to the world. Whatever reads positions, bounds or centres of faces goes through here; its linear part,
+// which normals and mirrors ask for, is that of worldFromObject.
+inline glm::dmat4 worldFromMesh(const Scene& scene, const Object& object) {
+    const glm::dvec3& origin = scene.meshes[object.mesh].origin;
+    glm::dmat4 m = object.worldFromObject;
+    if (origin != glm::dvec3(0)) m[3] += m[0] * origin.x + m[1] * origin.y + m[2] * origin.z;
+    return m;
+}
 
 }  // namespace plumb

@@ -168,7 +168,8 @@ float finiteFloat(double value, const std::string& place, std::string_view field
     return rounded == 0 && value != 0 ? std::copysign(std::numeric_limits<float>::denorm_min(), float(value)) : rounded;
 }
 
-bool parseFloat(std::string_view word, float& value) {
+template <class Real>
+static bool parseReal(std::string_view word, Real& value) {
     const char* at = word.data();
     const char* const end = at + word.size();
     if (at != end && *at == '+' && ++at != end && *at == '-') return false;   // from_chars knows no leading plus
@@ -177,7 +178,7 @@ bool parseFloat(std::string_view word, float& value) {
     if (error == std::errc()) return true;
     if (error != std::errc::result_out_of_range) return false;
     // from_chars does not say on which side. Decimal place of the first digit that is not 0, plus the exponent, does:
-    // float32 holds up to 3.4e38 and down to 1.4e-45, so the sign of the sum decides.
+    // float32 holds up to 3.4e38 and down to 1.4e-45, binary64 more either way, so the sign of the sum decides.
     const bool negative = *at == '-';
     int64_t place = 0, exponent = 0;
     bool point = false, significant = false;
@@ -196,10 +197,13 @@ bool parseFloat(std::string_view word, float& value) {
         const auto parsed = std::from_chars(p, end, exponent);
         if (parsed.ec == std::errc::result_out_of_range) exponent = *p == '-' ? -(int64_t(1) << 40) : int64_t(1) << 40;
     }
-    const float magnitude = place + exponent > 0 ? std::numeric_limits<float>::infinity() : std::numeric_limits<float>::denorm_min();
+    const Real magnitude = place + exponent > 0 ? std::numeric_limits<Real>::infinity() : std::numeric_limits<Real>::denorm_min();
     value = negative ? -magnitude : magnitude;
     return true;
 }
+
+bool parseFloat(std::string_view word, float& value) { return parseReal(word, value); }
+bool parseDouble(std::string_view word, double& value) { return parseReal(word, value); }
 
 bool parseInteger(std::string_view word, int64_t& value) {
     const char* at = word.data();
@@ -272,18 +276,22 @@ std::string_view Scanner::wordAnywhere(char comment) {
     }
 }
 
-float Scanner::number(std::string_view word, std::string_view field, float limit) {
-    float value = 0;
+template <class Real>
+Real Scanner::real(std::string_view word, std::string_view field, Real limit) {
+    Real value = 0;
     if (word.empty()) refuse(fmt::format("{} is missing", field));
-    if (!parseFloat(word, value)) refuse(fmt::format("{} '{}' is not a number", field, printable(word, 40)));
+    if (!parseReal(word, value)) refuse(fmt::format("{} '{}' is not a number", field, printable(word, 40)));
     if (!(std::abs(value) <= limit)) {
         if (std::isnan(value)) refuse(fmt::format("{} is NaN", field));
-        // An infinity that was written as digits is an overflow of float32.
+        // An infinity that was written as digits is an overflow.
         if (std::isinf(value) && word.find_first_of("iI") != std::string_view::npos) refuse(fmt::format("{} is infinite", field));
         refuse(fmt::format("{} is {}; the largest magnitude is {:g}", field, printable(word, 40), limit));
     }
     return value;
 }
+
+float Scanner::number(std::string_view word, std::string_view field, float limit) { return real(word, field, limit); }
+double Scanner::coordinate(std::string_view word, std::string_view field) { return real(word, field, double(kMaxCoordinate)); }
 
 int64_t Scanner::integer(std::string_view word, std::string_view field) {
     int64_t value = 0;

@@ -52,6 +52,7 @@ float finiteFloat(double value, const std::string& place, std::string_view field
 // numbers here. A value too small for float32 gives the smallest denormal of its sign, so that finishMesh counts it;
 // one too large gives infinity.
 bool parseFloat(std::string_view word, float& value);
+bool parseDouble(std::string_view word, double& value);  // likewise, of binary64
 bool parseInteger(std::string_view word, int64_t& value);
 
 // Walks over the text of a file. Lines end at \n, \r\n or \r. Places are worked out only when something is refused.
@@ -76,6 +77,8 @@ public:
 
     float number(std::string_view word, std::string_view field, float limit = kMaxCoordinate);  // finite, or refused
     float number(std::string_view field) { return number(word(), field); }
+    double coordinate(std::string_view word, std::string_view field);   // likewise in binary64, at most kMaxCoordinate
+    double coordinate(std::string_view field) { return coordinate(word(), field); }
     int64_t integer(std::string_view word, std::string_view field);
 
     // Where the last word began, or where a missing word should be.
@@ -86,6 +89,8 @@ public:
     bool continued = false;
 
 private:
+    template <class Real>
+    Real real(std::string_view word, std::string_view field, Real limit);
     bool skipBlanks();                      // false at the end of the line or text
 
     std::string_view text_;

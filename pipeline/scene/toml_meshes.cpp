@@ -74,11 +74,10 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
         const std::string field = fmt::format("mesh.vertices[{}]", i);
         const toml::array* point = vertices[i].as_array();
         if (point != nullptr && point->size() == 2)  // a point of the plane
-            mesh.positions.emplace_back(float(numberOf((*point)[0], field + "[0]", -kMaxCoordinate, kMaxCoordinate)),
-                                        float(numberOf((*point)[1], field + "[1]", -kMaxCoordinate, kMaxCoordinate)),
-                                        0.0f);
+            mesh.positions.push_back({numberOf((*point)[0], field + "[0]", -kMaxCoordinate, kMaxCoordinate),
+                                      numberOf((*point)[1], field + "[1]", -kMaxCoordinate, kMaxCoordinate), 0.0});
         else
-            mesh.positions.push_back(glm::vec3(vectorOf(vertices[i], field)));
+            mesh.positions.push_back(vectorOf(vertices[i], field));
     }
 
     const toml::node& facesNode = required(table, "faces", "mesh");

@@ -48,10 +48,11 @@ dvec3 SceneFile::centreOf(const toml::node& about, const std::string& field, uin
     if (word != "centre" && word != "center")
         refuse(about, fmt::format("{} is '{}', not a point or \"centre\"", field, printable(word, 40)));
     if (mesh == kNone) refuse(about, field + " is the centre of an object without a mesh");
-    const std::vector<glm::vec3>& positions = scene_.meshes[mesh].positions;
-    if (positions.empty()) refuse(about, field + " is the centre of a mesh without vertices");
-    std::vector<dvec3> points(positions.begin(), positions.end());
-    for (dvec3& p : points) p = transformed(before, p);
+    const TriangleMesh& of = scene_.meshes[mesh];
+    if (of.positions.empty()) refuse(about, field + " is the centre of a mesh without vertices");
+    std::vector<dvec3> points;
+    points.reserve(of.positions.size());
+    for (const glm::vec3& p : of.positions) points.push_back(transformed(before, of.origin + dvec3(p)));
     return visualCentre(std::span<const dvec3>(points));
 }
 

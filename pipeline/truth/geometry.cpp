@@ -70,7 +70,7 @@ Pinhole::Pinhole(const Camera& camera, uint32_t pixelsX, uint32_t pixelsY, uint3
 
 Corner Geometry::corner(uint32_t object, uint32_t vertex) const {
     const Object& o = scene_.objects[object];
-    const glm::vec3& p = scene_.meshes[o.mesh].positions[vertex];
+    const glm::dvec3 p = scene_.meshes[o.mesh].statedAt(vertex);
     Corner corner;
     // World axes relative to the eye, each the sum of three products and one difference: 5 u of the sum of their magnitudes at most.
     glm::dvec3 magnitude;
@@ -78,8 +78,8 @@ Corner Geometry::corner(uint32_t object, uint32_t vertex) const {
         const double origin = o.worldFromObject[3][j] - pinhole_.eye[j];
         double sum = origin, size = std::abs(origin);
         for (int k = 0; k < 3; ++k) {
-            sum += o.worldFromObject[k][j] * double(p[k]);
-            size += std::abs(o.worldFromObject[k][j] * double(p[k]));
+            sum += o.worldFromObject[k][j] * p[k];
+            size += std::abs(o.worldFromObject[k][j] * p[k]);
         }
         corner.fromEye[j] = sum;
         magnitude[j] = size;
@@ -101,12 +101,12 @@ Corner Geometry::corner(uint32_t object, uint32_t vertex) const {
 
 std::array<Exact, 3> Geometry::exactCorner(uint32_t object, uint32_t vertex) const {
     const Object& o = scene_.objects[object];
-    const glm::vec3& p = scene_.meshes[o.mesh].positions[vertex];
+    const glm::dvec3 p = scene_.meshes[o.mesh].statedAt(vertex);
     std::array<Exact, 3> fromEye;
     for (int j = 0; j < 3; ++j) {
         fromEye[size_t(j)] = Exact(o.worldFromObject[3][j]) - pinhole_.eye[j];
         for (int k = 0; k < 3; ++k)
-            fromEye[size_t(j)] = fromEye[size_t(j)] + Exact(o.worldFromObject[k][j]) * double(p[k]);
+            fromEye[size_t(j)] = fromEye[size_t(j)] + Exact(o.worldFromObject[k][j]) * p[k];
     }
     const auto along = [&](const glm::dvec3& axis, double scale) {
         return (fromEye[0] * axis.x + fromEye[1] * axis.y + fromEye[2] * axis.z) * scale;

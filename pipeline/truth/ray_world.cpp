@@ -44,7 +44,8 @@ Facet<Real> RayWorld::facetIn(uint32_t i) const {
     Facet<Real> f;
     double size = 0, edge = 0;
     for (int k = 0; k < 3; ++k) {
-        const glm::vec3 &p = mesh.positions[t.vertex[k]], &n = mesh.normals[t.vertex[k]];
+        const glm::dvec3 p = mesh.statedAt(t.vertex[k]);
+        const glm::vec3& n = mesh.normals[t.vertex[k]];
         Real place3[3];
         for (int j = 0; j < 3; ++j) {
             const Real terms[4] = {Real(m[0][j]) * p.x, Real(m[1][j]) * p.y, Real(m[2][j]) * p.z,

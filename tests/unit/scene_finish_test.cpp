@@ -330,7 +330,7 @@ TEST(SceneFinish, ANormalThatCancelsIsTheFaces) {
     in = polygons({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 1e-4f}}, {{0, 1, 2}, {0, 3, 1}});
     in.faceSmoothing = {1, 1};
     EXPECT_EQ(finish(in).repairedNormals, 4u) << "the two corners on the common edge, in both faces";
-    in.positions[3].z = 0.1f;
+    in.positions.set(3, {0, 1, 0.1});
     EXPECT_EQ(finish(in).repairedNormals, 0u);
 }
 
@@ -365,7 +365,7 @@ TEST(SceneFinish, PowersOfTwoScaleEverythingExactly) {
     const TriangleMesh base = finishMesh(in, materials, 0, options);
     for (const int k : {-60, -1, 1, 60}) {
         PolygonMesh scaled = in;
-        for (vec3& p : scaled.positions) p *= std::ldexp(1.0f, k);
+        for (size_t i = 0; i < in.positions.size(); ++i) scaled.positions.set(i, in.positions[i] * std::ldexp(1.0, k));
         const TriangleMesh mesh = finishMesh(scaled, materials, 0, options);
         EXPECT_EQ(mesh.normals, base.normals) << k;
         EXPECT_EQ(mesh.edges, base.edges) << k;

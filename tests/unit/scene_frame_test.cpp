@@ -46,7 +46,7 @@ Extent extentOf(const Scene& scene, double width, double height) {
     Extent extent;
     for (const Object& object : scene.objects)
         for (const vec3& position : scene.meshes[object.mesh].positions) {
-            const dvec3 p = dvec3(object.worldFromObject * glm::dvec4(position, 1)) - camera.eye;
+            const dvec3 p = dvec3(worldFromMesh(scene, object) * glm::dvec4(position, 1)) - camera.eye;
             const double z = glm::dot(p, camera.forward);
             extent.nearest = std::min(extent.nearest, z);
             const dvec2 at(width / 2 + focal * glm::dot(p, camera.right) / z, height / 2 - focal * glm::dot(p, camera.up) / z);

@@ -21,6 +21,7 @@
 namespace plumb {
 namespace {
 
+using glm::dvec3;
 using glm::vec3;
 using test::TemporaryFolder;
 namespace fs = std::filesystem;
@@ -134,11 +135,11 @@ TEST(SceneMeshFiles, ObjIndicesMayNameWhatComesLater) {
 
 TEST(SceneMeshFiles, ObjNumbersAreReadInEverySpelling) {
     const PolygonMesh mesh = readText("m.obj", "v +1 -1e0 1.5E+2\nv .5 5. 1e-2\nv 1e-50 -1e-50 -0\nv 1 2 3 0.5\nf 1 2 3\n");
-    EXPECT_EQ(mesh.positions[0], vec3(1, -1, 150));
-    EXPECT_EQ(mesh.positions[1], vec3(0.5f, 5, 0.01f));
-    EXPECT_EQ(mesh.positions[2].x, std::numeric_limits<float>::denorm_min()) << "kept until finishMesh counts it";
-    EXPECT_EQ(mesh.positions[2].y, -std::numeric_limits<float>::denorm_min());
-    EXPECT_EQ(mesh.positions[3], vec3(1, 2, 3));
+    EXPECT_EQ(mesh.positions[0], dvec3(1, -1, 150));
+    EXPECT_EQ(mesh.positions[1], dvec3(0.5, 5, 0.01));
+    EXPECT_EQ(mesh.positions[2].x, 1e-50) << "kept until finishMesh counts it";
+    EXPECT_EQ(mesh.positions[2].y, -1e-50);
+    EXPECT_EQ(mesh.positions[3], dvec3(1, 2, 3));
 }
 
 TEST(SceneMeshFiles, ObjColoursAreReadAndNamedAsNotDrawn) {
@@ -346,7 +347,7 @@ TEST(SceneMeshFiles, PlyDataThatBeginsLikeALineEndIsData) {
             bytes += line + end;
         for (char c : {10, 0, 0, 11, 0, 0, 10, 1, 0, 3, 0, 1, 2}) bytes += c;
         const PolygonMesh mesh = readText("m.ply", bytes);
-        EXPECT_EQ(mesh.positions[0], vec3(10, 0, 0));
+        EXPECT_EQ(mesh.positions[0], dvec3(10, 0, 0));
         EXPECT_EQ(mesh.corners.size(), 3u);
     }
 }

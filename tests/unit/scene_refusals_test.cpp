@@ -237,7 +237,7 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
         {"a.ply", replaced(kPlyHeader, "format", "formula") + kPlyBody, "a.ply:2:1: 'formula' is not a header keyword"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0\n", "a.ply:3:16: element vertex has a count of 3; the rest of the file holds at most 1"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n", "a.ply:12:3: vertex 2 property y is NaN"},
-        {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1e40 0\n3 0 1 2\n", "a.ply:12:3: vertex 2 property y is infinite"},
+        {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1e40 0\n3 0 1 2\n", "a.ply:12:3: vertex 2 property y is 1e+40; the largest magnitude is 1.26"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 zero 0\n3 0 1 2\n", "a.ply:12:3: vertex 2 property y 'zero' is not a number"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a.ply:13:7: face 0 property vertex_indices is 3; there are 3 vertices"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "a.ply:13:7: face 0 property vertex_indices is negative: -1"},
