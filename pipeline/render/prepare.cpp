@@ -144,7 +144,7 @@ bool isZero(const glm::vec3& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
 // How far from the eye anything may reach, in units of the near plane: squares of it and of x = focal * it stay finite.
 constexpr double kFarthest = 0x1p60;
 
-void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double focal, const std::string& name) {
+void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double focal, const std::string& place) {
     const auto reach = [&](const glm::vec4& row) {
         double sum = std::abs(double(row.w));
         for (int i = 0; i < 3; ++i) sum += std::abs(double(row[i])) * std::max(std::abs(mesh.boundsMin[i]), std::abs(mesh.boundsMax[i]));
@@ -153,7 +153,7 @@ void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double foc
     bool near = reach(o.rowX) <= kFarthest * focal && reach(o.rowY) <= kFarthest * focal;
     for (const glm::vec4& row : {o.rowW, o.world0, o.world1, o.world2}) near &= reach(row) <= kFarthest;
     if (!near)
-        throw inputError(name, "it reaches further from the eye than 2^60 times the near plane: move the object or the camera, or change the "
+        throw inputError(place, "it reaches further from the eye than 2^60 times the near plane: move the object or the camera, or change the "
                                "scale or the near plane");
 }
 
@@ -191,7 +191,7 @@ void appendObject(DrawList& list, const Scene& scene, uint32_t index, const Pinh
     const glm::dmat4 toWorld = worldFromMesh(scene, object);
     list.objects.push_back(recordOf(toWorld, view));
     if (list.numbers != Numbers::fp32) list.longs.push_back(longRecordOf(toWorld, mesh, view));
-    checkReach(list.objects.back(), mesh, view.focal, object.name.empty() ? scene.path : object.name);
+    checkReach(list.objects.back(), mesh, view.focal, placeOfPart(object.place, scene.path, "object", object.name));
     const auto slotOf = [&](uint32_t material) { return slotOfMaterial(list, scene, material, materialSlot, unlit); };
     for (size_t i = 0; i < mesh.positions.size(); ++i) {
         list.positions.emplace_back(mesh.positions[i], 1.0f);
@@ -261,9 +261,9 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
         l.kind = light.directional ? 0.0f : 1.0f;
         l.place = light.directional ? glm::vec3(glm::normalize(light.direction)) : glm::vec3((light.position - view.eye) * view.unit);
         if (!light.directional && !(glm::length(glm::dvec3(l.place)) <= kFarthest))
-            throw inputError(scene.path, "a point light is further from the eye than 2^60 times the near plane");
+            throw inputError(placeOfPart(stated.place, scene.path, "light", ""), "a point light is further from the eye than 2^60 times the near plane");
         if (!(std::max({l.intensity.x, l.intensity.y, l.intensity.z}) <= 0x1p100f))
-            throw inputError(scene.path, "a point light with attenuation is brighter than 2^100 at the near plane's distance: change its "
+            throw inputError(placeOfPart(stated.place, scene.path, "light", ""), "a point light with attenuation is brighter than 2^100 at the near plane's distance: change its "
                                          "intensity or the near plane");
         p.list.lights.push_back(l);
     }
@@ -314,13 +314,19 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
     c.oneMaterial = p.list.materials.size() == 1;
 }
 
+// Where the first of the spheres and planes is stated.
+std::string firstShapePlace(const Scene& scene) {
+    const std::string place = !scene.spheres.empty() ? scene.spheres[0].place : !scene.planes.empty() ? scene.planes[0].place : "";
+    return place.empty() ? printablePath(scene.path) : place;
+}
+
 // What the implicit sphere rendering of the notes can draw.
 void checkSpheres(const Scene& scene, const RenderRequest& request) {
     if (request.shading != Shading::phong) throw usageError("--fill notes illuminates spheres at each pixel: --shading phong");
     if (request.samples != 1) throw usageError("--fill notes draws one sample a pixel: leave --samples out");
-    if (!scene.objects.empty()) throw inputError(scene.path, "it has meshes beside spheres; --fill notes draws spheres in parallel projection and meshes in perspective, so not both");
-    if (scene.lights.size() > size_t(gpu::kSphereLights)) throw inputError(scene.path, fmt::format("{} lights; --fill notes draws spheres under at most {}", scene.lights.size(), gpu::kSphereLights));
-    if (!(scene.camera->focalPixels > 0)) throw inputError(scene.path, "--fill notes draws spheres for the viewer of camera.distance, a pixel a unit");
+    if (!scene.objects.empty()) throw inputError(firstShapePlace(scene), "it has meshes beside spheres; --fill notes draws spheres in parallel projection and meshes in perspective, so not both");
+    if (scene.lights.size() > size_t(gpu::kSphereLights)) throw inputError(scene.lights[size_t(gpu::kSphereLights)].place.empty() ? printablePath(scene.path) : scene.lights[size_t(gpu::kSphereLights)].place, fmt::format("{} lights; --fill notes draws spheres under at most {}", scene.lights.size(), gpu::kSphereLights));
+    if (!(scene.camera->focalPixels > 0)) throw inputError(firstShapePlace(scene), "--fill notes draws spheres for the viewer of camera.distance, a pixel a unit");
 }
 
 }  // namespace
@@ -422,10 +428,10 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     const bool rays = request.shading == Shading::ray;
     const bool discs = drawsSpheres(scene, request);
     if (!scene.zBuffer && (request.fill != Fill::notes || request.shading == Shading::wire || discs))
-        throw inputError(scene.path, "z_buffer = false is for the polygons of --fill notes; every other picture needs one");
+        throw inputError(scene.zBufferPlace.empty() ? printablePath(scene.path) : scene.zBufferPlace, "z_buffer = false is for the polygons of --fill notes; every other picture needs one");
     if (discs) checkSpheres(scene, request);
     if (onlyRaysDraw(scene) && !rays && !discs)
-        throw inputError(scene.path, "it has spheres or planes, which only --shading ray draws, spheres --fill notes too");
+        throw inputError(firstShapePlace(scene), "it has spheres or planes, which only --shading ray draws, spheres --fill notes too");
     for (uint32_t i = 0; discs && i < scene.spheres.size(); ++i)
         list.sphereMaterial.push_back(slotOfMaterial(list, scene, scene.spheres[i].material, materialSlot, false));
     if (rays) checkRays(request);

@@ -4,6 +4,7 @@
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/render/stopwatch.h"
+#include "pipeline/scene/text.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -31,9 +32,7 @@ Listed listOf(const Scene& scene, const Prepared& p, const RenderRequest& reques
     for (uint32_t i = 0; i < scene.spheres.size(); ++i) {
         const SphereShape& s = scene.spheres[i];
         const auto refuse = [&](const std::string& what) {
-            throw inputError(s.name.empty() ? fmt::format("{}: sphere {}", scene.path, i)
-                                            : fmt::format("{}: sphere '{}'", scene.path, s.name),
-                             what);
+            throw inputError(placeOfPart(s.place, scene.path, "sphere", s.name.empty() ? std::to_string(i) : s.name), what);
         };
         if (s.radius < 1 || s.radius > gpu::kSphereReach)
             refuse(fmt::format("its radius is {:g}; --fill notes draws spheres of 1 to {} pixels", s.radius,

@@ -4,6 +4,7 @@
 #include "pipeline/passes/tree.h"
 #include "pipeline/scene/flattened.h"
 #include "pipeline/scene/ray_shares.h"
+#include "pipeline/scene/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,8 +59,9 @@ private:
     // No subnormal numbers reach the device.
     static float rounded(double x) { return std::abs(x) < std::numeric_limits<float>::min() ? 0.0f : float(x); }
     static glm::vec3 rounded(const glm::dvec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
-    std::string nameOf(const std::string& name, const char* kind) const {
-        return name.empty() ? fmt::format("{}: a {}", scene_.path, kind) : fmt::format("{}: {} '{}'", scene_.path, kind, name);
+    template <class Part>
+    std::string nameOf(const Part& part, const char* kind) const {
+        return placeOfPart(part.place, scene_.path, kind, part.name);
     }
 
     // |c - eye|^2 - r^2, to 2^-99 of r^2: every difference and product with its rounding error.
@@ -89,8 +91,8 @@ private:
         const glm::dvec3 centre = (s.centre - eye_) * unit_;
         const double radius = s.radius * unit_, reach = glm::length(centre) + radius;
         if (!(reach <= kFarthest))
-            throw inputError(nameOf(s.name, "sphere"), "it reaches further from the eye than 2^60 times the near plane");
-        if (radius < kLeastRadius) throw inputError(nameOf(s.name, "sphere"), "its radius is below 2^-30 of the near plane");
+            throw inputError(nameOf(s, "sphere"), "it reaches further from the eye than 2^60 times the near plane");
+        if (radius < kLeastRadius) throw inputError(nameOf(s, "sphere"), "its radius is below 2^-30 of the near plane");
         out_.spheres.emplace_back(rounded(centre), float(radius));
         const double power = powerOf(s);
         out_.powers.push_back(rounded(power * (unit_ * unit_)));
@@ -106,7 +108,7 @@ private:
         r.v = rounded(p.v);
         const glm::dvec3 anchor = (p.point - eye_) * unit_;
         if (!(glm::length(anchor) <= kFarthest))
-            throw inputError(nameOf(p.name, "plane"), "its point is further from the eye than 2^60 times the near plane");
+            throw inputError(nameOf(p, "plane"), "its point is further from the eye than 2^60 times the near plane");
         // With the rounded axes, so that the stated point lies on the plane and is the origin of its coordinates.
         r.distance = rounded(glm::dot(glm::dvec3(r.normal), anchor));
         r.u0 = rounded(-glm::dot(glm::dvec3(r.u), anchor));
@@ -141,7 +143,7 @@ private:
         for (size_t i = 0; i < mesh.positions.size(); ++i) {
             const glm::dvec3 p = (glm::dvec3(toWorld * glm::dvec4(mesh.positions[i], 1)) - eye_) * unit_;
             if (!(glm::length(p) <= kFarthest))
-                throw inputError(object.name.empty() ? scene_.path : object.name, "it reaches further from the eye than 2^60 times the near plane");
+                throw inputError(nameOf(object, "object"), "it reaches further from the eye than 2^60 times the near plane");
             out_.corners.emplace_back(rounded(p), 1.0f);
             out_.corners.emplace_back(rounded(unitOr(normals * glm::dvec3(mesh.normals[i]), {0, 0, 1})), 0.0f);
         }

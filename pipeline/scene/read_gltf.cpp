@@ -802,6 +802,7 @@ void GltfFile::readLight(const Value& index, const dmat4& worldFromNode) {
     const Value typeValue = value.required("type");
     const std::string& type = typeValue.text();
     Light light;
+    light.place = value.place();
     if (type == "directional") {
         light.direction = dvec3(worldFromNode[2]);  // it shines along -Z, so +Z is toward it
         if (largestMagnitude(light.direction) == 0) index.refuse("the node of the light has a scale of 0");
@@ -843,6 +844,7 @@ void GltfFile::readNode(size_t i, const dmat4& worldFromParent, int depth) {
             object.name = scene_.meshes[inScene].name;
             if (const auto name = node.find("name")) object.name = name->text();
             object.mesh = inScene;
+            object.place = node.place();
             object.worldFromObject = worldFromNode;
             scene_.objects.push_back(std::move(object));
         }

@@ -109,6 +109,7 @@ Scene SceneFile::read() {
             Node node;
             node.name = name;
             node.table = &root;
+            node.implied = true;
             node.mesh = meshes_.find(name)->second;
             nodes_.push_back(std::move(node));
         }

@@ -37,6 +37,7 @@ struct Object {
     uint32_t mesh = 0;
     glm::dmat4 worldFromObject{1.0};  // column vectors: world = worldFromObject * object; of what a mesh keeps: worldFromMesh
     std::vector<Step<glm::dmat4>> chain;  // its elementary steps in order of application, parents' included; scene.toml only
+    std::string place;                // where it is stated: file:line:column or file: /pointer; empty where only the file is known
 };
 
 // What only rays meet. Their object_id follows those of the objects: spheres, then planes.
@@ -45,6 +46,7 @@ struct SphereShape {
     glm::dvec3 centre{0};
     double radius = 1;                // > 0
     uint32_t material = 0;
+    std::string place;                // where it is stated: file:line:column or file: /pointer
 };
 
 // Unbounded but for the ranges of its own coordinates, inclusive: (x, y) = ((p - point).u, (p - point).v).
@@ -57,6 +59,7 @@ struct PlaneShape {
     double square = 0;                // > 0: a board; first square at x >= 0, y >= 0
     uint32_t otherMaterial = 0;
     bool mirrored = false;            // the pattern is mirrored at y = 0, as the notes' is
+    std::string place;                // where it is stated: file:line:column or file: /pointer
 };
 
 struct Light {
@@ -65,6 +68,7 @@ struct Light {
     glm::dvec3 position{0};           // world space (point)
     glm::vec3 intensity{1.0f};        // linear RGB, >= 0
     Attenuation attenuation = Attenuation::none;
+    std::string place;                // where it is stated; empty: nowhere, it was made for a scene without lights
 };
 
 // A pinhole. right, up, forward are orthonormal; in a right-handed world right x up = -forward, in a left-handed one
@@ -105,6 +109,7 @@ struct Scene {
     std::optional<bool> wirePerPolygon;   // each edge as often as polygons have it
     std::optional<bool> distantViewer;    // the viewer counts as infinitely far away when a point is lit (section 3 of the notes)
     bool cullBackFaces = true;
+    std::string zBufferPlace;         // where the file states it
     bool zBuffer = true;              // false: --fill notes paints polygon over polygon, as before section 14
     bool wholeSphereHeights = false;  // --fill notes rounds z of spheres to whole numbers, as the notes' program does
     glm::uvec2 size{0};               // 0: not stated

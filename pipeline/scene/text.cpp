@@ -97,6 +97,10 @@ size_t editDistance(std::string_view a, std::string_view b, Letters letters) {
 
 std::string printablePath(const std::filesystem::path& path) { return printable(path.native()); }
 
+std::string placeOfPart(const std::string& place, const std::filesystem::path& file, std::string_view kind, std::string_view name) {
+    return fmt::format("{}: {}{}", place.empty() ? printablePath(file) : place, kind, name.empty() ? "" : fmt::format(" '{}'", printable(name, 64)));
+}
+
 std::string placeOfLine(const std::filesystem::path& file, size_t line, size_t column) {
     return fmt::format("{}:{}:{}", printablePath(file), line, column);
 }

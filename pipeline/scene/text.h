@@ -30,6 +30,8 @@ std::string placeOfLine(const std::filesystem::path&, size_t line, size_t column
 std::string placeOfByte(const std::filesystem::path&, uint64_t offset);
 std::string placeOfPointer(const std::filesystem::path&, std::string_view pointer);
 std::string printablePath(const std::filesystem::path&);
+// A part of a scene that is refused when it is drawn: "scene.toml:9:1: object 'arrow'", by its place or else by the file.
+std::string placeOfPart(const std::string& place, const std::filesystem::path& file, std::string_view kind, std::string_view name);
 
 // Levenshtein's distance, for "did you mean"; anyCase takes ASCII letters of both cases for the same.
 enum class Letters { asWritten, anyCase };

@@ -66,6 +66,7 @@ private:
         glm::dmat4 worldFromNode{1.0};
         int depth = 0;
         bool placed = false;
+        bool implied = false;  // an object for each mesh, in a file that states none
     };
     uint32_t meshWithMaterial(uint32_t mesh, uint32_t material, const toml::table& place);
 

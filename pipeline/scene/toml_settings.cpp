@@ -55,7 +55,7 @@ void SceneFile::readSettings(const toml::table& root) {
         scene_.wirePerPolygon = choiceOf<bool>(*node, "edges", {{"once", false}, {"polygons", true}});
     if (const auto* node = root.get("viewer"))
         scene_.distantViewer = choiceOf<bool>(*node, "viewer", {{"local", false}, {"distant", true}});
-    if (const auto* node = root.get("z_buffer")) scene_.zBuffer = booleanOf(*node, "z_buffer");
+    if (const auto* node = root.get("z_buffer")) scene_.zBuffer = booleanOf(*node, "z_buffer"), scene_.zBufferPlace = place(*node);
     if (const auto* node = root.get("sphere_heights"))
         scene_.wholeSphereHeights = choiceOf<bool>(*node, "sphere_heights", {{"exact", false}, {"whole", true}});
     if (const auto* node = root.get("cull")) scene_.cullBackFaces = booleanOf(*node, "cull");

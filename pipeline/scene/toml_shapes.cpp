@@ -17,6 +17,7 @@ using glm::dvec3;
 void SceneFile::readSphere(const toml::table& table) {
     allowKeys(table, "[[sphere]]", {"name", "centre", "radius", "material"});
     SphereShape sphere;
+    sphere.place = place(table);
     if (const auto* node = table.get("name")) sphere.name = stringOf(*node, "sphere.name");
     sphere.centre = vectorOf(required(table, "centre", "sphere"), "sphere.centre");
     const toml::node& radius = required(table, "radius", "sphere");
@@ -32,6 +33,7 @@ void SceneFile::readPlane(const toml::table& table) {
     allowKeys(table, "[[plane]]",
               {"name", "point", "normal", "u", "u_range", "v_range", "two_sided", "material", "board"});
     PlaneShape plane;
+    plane.place = place(table);
     if (const auto* node = table.get("name")) plane.name = stringOf(*node, "plane.name");
     plane.point = vectorOf(required(table, "point", "plane"), "plane.point");
     plane.normal = unitVector(axisOf(required(table, "normal", "plane"), "plane.normal"));

@@ -238,6 +238,26 @@ class Pipes(Streams):
             self.assertEqual(done.stderr.count(b"\n"), 1, done.stderr)
             self.assertNotIn("a.png", self.made())
 
+    def test_a_part_beyond_the_range_is_named_by_its_place(self):
+        # Accepted by the reader and refused when it is drawn: the line still begins with the place in the file.
+        camera = "[camera]\neye = [0, 0, 5]\nat = [0, 0, 0]\nnear = 1e-20\n"
+        mesh = "[[mesh]]\nname = \"m\"\nvertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\nfaces = [[0, 1, 2]]\n"
+        lamp = "[[light]]\ntype = \"point\"\nposition = [0, 0, 1e20]\n"
+        ball = "[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n"
+        floor = "[[plane]]\npoint = [0, 0, 0]\nnormal = [0, 1, 0]\n"
+        for name, text, flags, place in (("mesh", camera + mesh, "", "8:9: object 'm': it reaches further"), ("object", camera + mesh + "[[object]]\nmesh = \"m\"\n", "", "9:1: object 'm': it reaches further"),
+                                         ("rays", camera + mesh + "[[object]]\nname = \"o\"\nmesh = \"m\"\n", "--shading ray", "9:1: object 'o': it reaches further"),
+                                         ("light", camera.replace("near = 1e-20", "near = 1") + mesh + lamp, "", "9:1: light: a point light is further"),
+                                         ("area", camera.replace("near = 1e-20", "near = 1") + mesh + lamp.replace("point", "area") + "edge_u = [1, 0, 0]\npoints = 3\n", "", "9:1: light: a point light is further"),
+                                         ("sphere", camera + ball, "", "5:1: sphere: it reaches further"), ("plane", camera + floor.replace("[0, 0, 0]", "[0, 9, 0]"), "", "5:1: plane: its point is further"),
+                                         ("zbuffer", "z_buffer = false\n" + mesh, "", "1:12: z_buffer"), ("shapes", ball + mesh, "--shading phong", "1:1: it has spheres or planes")):
+            with open(os.path.join(self.folder, "far.toml"), "w", encoding="utf-8") as f:
+                f.write(text)
+            done = self.shell(f"plumb render far.toml {SMALL} -o a.png {flags}")
+            self.assertEqual(done.returncode, 3, (name, done.stderr))
+            self.assertTrue(done.stderr.startswith(f"plumb: far.toml:{place}".encode()), (name, done.stderr))
+            self.assertNotIn("a.png", self.made())
+
 
 class Loading(Streams):
     """A mesh that takes a while: what is shown, and that an interrupt is heard."""

@@ -87,9 +87,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         const std::string_view text = error.what();
         if (error.exit() != plumb::Exit::input) finding("not a refusal of input", std::string(text));
         if (text.empty() || text.find('\n') != std::string_view::npos) finding("not one line", std::string(text));
-        // A reader names the file and the place; what only shows when it is drawn is named by its object.
-        if (!loaded && text.find("fuzz.") == std::string_view::npos && text.find("second.") == std::string_view::npos)
-            finding("names no place", std::string(text));
+        // Every message begins with the file. What only shows when it is drawn names the place of its part of the scene as well.
+        const std::string_view rest = text.starts_with(folder()) ? text.substr(folder().size()) : std::string_view();
+        if (!rest.starts_with("/fuzz.") && !rest.starts_with("/second.")) finding("names no file", std::string(text));
+        const size_t colon = rest.find(':');
+        if (loaded && rest.starts_with("/fuzz.toml") && (colon + 1 >= rest.size() || rest[colon + 1] < '1' || rest[colon + 1] > '9')) finding("names no place", std::string(text));
     }
     return 0;
 }
