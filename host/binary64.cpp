@@ -75,7 +75,7 @@ std::string lacksBinary64(Device& device) {
         answers.fill(0xffffffffu);
         Recorder recorder(device);
         recorder.dispatch("selftest", spirv::selftest_double, vectors.size(), gpu::SelfTestPush{0, 0},
-                          {storage(operands), storage(answers)});
+                          {storage("Vectors", operands), storage("Answers", answers)});
         recorder.run();
         exact = judgeDoubles(vectors, answers.span());
     }

@@ -86,7 +86,7 @@ Value evaluate(uint32_t op, Value x, Value y, Value z) {
 
 class Folder {
 public:
-    Folder(const Module& module, const Specialization& constants) : name_(module.name), words_(module.words) {
+    Folder(const Module& module, const ConstantsById& constants) : name_(module.name), words_(module.words) {
         readGlobals(constants);
         readFunctions();
         call(entry_);
@@ -154,7 +154,7 @@ private:
     // Literals may stand where another instruction has an id: whoever asks knows which it is.
     Value known(Words in, size_t word) const { return word < in.size() && in[word] < names_ ? known_[in[word]] : std::nullopt; }
 
-    void readGlobals(const Specialization& constants) {
+    void readGlobals(const ConstantsById& constants) {
         if (words_.size() < kHeaderWords || words_[0] != kSpirvMagic) fail("no header");
         names_ = words_[3];
         if (names_ > kMostNames) fail("more ids than the specification allows");
@@ -369,6 +369,6 @@ private:
 
 }  // namespace
 
-std::vector<uint32_t> foldConstants(const Module& module, const Specialization& constants) { return Folder(module, constants).words(); }
+std::vector<uint32_t> foldConstants(const Module& module, const ConstantsById& constants) { return Folder(module, constants).words(); }
 
 }  // namespace plumb

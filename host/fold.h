@@ -11,8 +11,8 @@
 namespace plumb {
 
 // A module that does what `module` does where its constants have the values of `constants` or their defaults. No instruction that stays is
-// changed but branches and phis; decorations stay with what they decorate; names are left out. Specialization ids are those of `module`.
+// changed but branches and phis; decorations stay with what they decorate; names are left out. Constant ids are those of `module`.
 // Throws Error(device) naming the module where the words are not SPIR-V.
-std::vector<uint32_t> foldConstants(const Module& module, const Specialization& constants);
+std::vector<uint32_t> foldConstants(const Module& module, const ConstantsById& constants);
 
 }  // namespace plumb

@@ -41,12 +41,19 @@ constexpr uint32_t kWholeType = ~0u;  // "member" of decorations on the id itsel
 
 class ModuleReader {
 public:
-    ModuleReader(const Module& module, const std::map<uint32_t, uint32_t>& constants)
-        : name_(module.name), words_(module.words), constants_(constants) {
-        index();
+    explicit ModuleReader(const Module& module) : name_(module.name), words_(module.words) { index(); }
+
+    // The module's specialization constants, by rising constant_id: number and name.
+    std::vector<std::pair<uint32_t, std::string>> specialized() const {
+        std::vector<std::pair<uint32_t, std::string>> found;
+        for (const auto& [key, value] : decorations_)
+            if (key.decoration == kSpecId) found.emplace_back(value, nameOfConstant(key.id));
+        std::sort(found.begin(), found.end());
+        return found;
     }
 
-    Reflection reflection() const {
+    Reflection reflection(const ConstantsById& constants) {
+        constants_ = constants;
         Reflection result;
         localSize(result);
         for (const uint32_t variable : variables_) addVariable(variable, result);
@@ -54,11 +61,7 @@ public:
                   [](const auto& a, const auto& b) { return a.binding < b.binding; });
         for (size_t i = 1; i < result.bindings.size(); ++i)
             if (result.bindings[i].binding == result.bindings[i - 1].binding) fail("two variables share a binding");
-        std::vector<std::pair<uint32_t, std::string>> specialized;
-        for (const auto& [key, value] : decorations_)
-            if (key.decoration == kSpecId) specialized.emplace_back(value, nameOf(key.id));
-        std::sort(specialized.begin(), specialized.end());
-        for (const auto& [id, name] : specialized) {
+        for (const auto& [id, name] : specialized()) {
             result.specializationIds.push_back(id);
             result.specializationNames.push_back(name);
         }
@@ -164,6 +167,15 @@ private:
         const auto it = names_.find(id);
         return it == names_.end() ? std::string() : it->second;
     }
+    // glslang gives the constants of local_size_x_id, ... no name.
+    std::string nameOfConstant(uint32_t id) const {
+        constexpr const char* kSizes[] = {"kLocalSizeX", "kLocalSizeY", "kLocalSizeZ"};
+        if (std::string name = nameOf(id); !name.empty()) return name;
+        const std::span<const uint32_t> sizes = sizeIds();
+        for (size_t i = 0; i < sizes.size(); ++i)
+            if (sizes[i] == id) return kSizes[i];
+        return "";
+    }
     static uint32_t opOf(Instruction in) { return in[0] & 0xffffu; }
     Instruction definition(uint32_t id, size_t words) const {
         const auto it = ids_.find(id);
@@ -193,17 +205,19 @@ private:
         }
     }
 
+    // The three constants of a workgroup's size; empty where it is three literals. A constant decorated WorkgroupSize
+    // overrides the execution mode; glslang writes it for local_size_x_id.
+    Instruction sizeIds() const {
+        for (const auto& [key, value] : decorations_)
+            if (key.decoration == kBuiltIn && key.member == kWholeType && value == kBuiltInWorkgroupSize)
+                return definition(key.id, 6).subspan(3, 3);
+        return sizeMode_[2] == kLocalSizeId ? sizeMode_.subspan(3, 3) : Instruction();
+    }
+
     void localSize(Reflection& result) const {
         if (sizeMode_.empty()) fail("no local size");
-        for (int i = 0; i < 3; ++i)
-            result.localSize[i] =
-                sizeMode_[2] == kLocalSize ? sizeMode_[3 + size_t(i)] : constantValue(sizeMode_[3 + size_t(i)]);
-        // A constant decorated WorkgroupSize overrides the execution mode; glslang writes it for local_size_x_id.
-        for (const auto& [key, value] : decorations_)
-            if (key.decoration == kBuiltIn && key.member == kWholeType && value == kBuiltInWorkgroupSize) {
-                const Instruction composite = definition(key.id, 6);
-                for (size_t i = 0; i < 3; ++i) result.localSize[i] = constantValue(composite[3 + i]);
-            }
+        const Instruction ids = sizeIds();
+        for (size_t i = 0; i < 3; ++i) result.localSize[i] = ids.empty() ? sizeMode_[3 + i] : constantValue(ids[i]);
     }
 
     // Bytes of a type inside a block with explicit layout; `structId`/`member` locate its MatrixStride.
@@ -292,7 +306,7 @@ private:
 
     std::string_view name_;
     std::span<const uint32_t> words_;
-    const std::map<uint32_t, uint32_t>& constants_;
+    ConstantsById constants_;
     Instruction sizeMode_;
     std::map<uint32_t, std::string> names_;
     std::map<uint32_t, Instruction> ids_;
@@ -315,14 +329,35 @@ VkDescriptorType descriptorType(const Module& module, const ReflectedBinding& bi
 
 std::string keyOf(const Module& module, const Specialization& constants) {
     std::string key = fmt::format("{} {} {}", module.name, module.sha256, fmt::ptr(module.words.data()));
-    for (const auto& [id, value] : constants) key += fmt::format(" {}={}", id, value);
+    for (const auto& [name, value] : constants) key += fmt::format(" {}={}", name, value);
     return key;
+}
+
+
+// True for the constants that the self-test decides where a recorder does not give them.
+bool isOfTheSelfTest(const std::string& constant) { return constant == "kNativeDivide" || constant == "kNativeRoot"; }
+
+// The values given, by the numbers of the module's constants, each of which must be given once.
+ConstantsById constantsById(const Module& module, const ModuleReader& reader, Specialization given) {
+    ConstantsById byId;
+    std::string has;
+    for (const auto& [id, name] : reader.specialized()) {
+        const auto found = given.find(name);
+        if (found != given.end())
+            byId[id] = found->second, given.erase(found);
+        else if (!isOfTheSelfTest(name))
+            throw renderError(fmt::format("{}: the constant {} is not given", module.name, name.empty() ? fmt::to_string(id) : name));
+        has += (has.empty() ? "" : ", ") + name;
+    }
+    if (!given.empty())
+        throw renderError(fmt::format("{}: no constant is called {} (the module has {})", module.name, given.begin()->first, has.empty() ? "none" : has));
+    return byId;
 }
 
 }  // namespace
 
-Reflection reflect(const Module& module, const std::map<uint32_t, uint32_t>& constants) {
-    return ModuleReader(module, constants).reflection();
+Reflection reflect(const Module& module, const ConstantsById& constants) {
+    return ModuleReader(module).reflection(constants);
 }
 
 void DeviceImpl::destroy(const Program& program) const {
@@ -345,17 +380,11 @@ void DeviceImpl::prepare(const Module& module, const Specialization& constants) 
 }
 
 Program DeviceImpl::make(const Module& module, const Specialization& constants) const {
-    Specialization all = constants;
+    ModuleReader reader(module);
+    ConstantsById all = constantsById(module, reader, constants);
     Program program;
-    program.reflection = reflect(module, constants);
+    program.reflection = reader.reflection(all);
     const Reflection& r = program.reflection;
-    for (const auto& [id, value] : constants)
-        if (!std::binary_search(r.specializationIds.begin(), r.specializationIds.end(), id)) {
-            std::string has = "none";
-            for (size_t i = 0; i < r.specializationIds.size(); ++i)
-                has = fmt::format("{}{} {}", i ? has + ", " : "", r.specializationIds[i], r.specializationNames[i]);
-            throw renderError(fmt::format("{}: no constant has id {} (the module has {})", module.name, id, has));
-        }
     for (size_t i = 0; i < r.specializationIds.size(); ++i) {
         if (r.specializationNames[i] == "kNativeDivide")
             all.emplace(r.specializationIds[i], selfTest.nativeDivideIsExact);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // A compute program: an embedded SPIR-V module with its specialization constants. Bindings, strides,
-// push-constant size and workgroup size are reflected from the words, so the host repeats nothing.
+// push-constant size and workgroup size are reflected from the words, so the host repeats nothing. Constants and
+// bindings go by the names that the shader gives them: no number stands on both sides.
 #pragma once
 
 #include "host/module.h"
 
 #include <cstdint>
-#include <initializer_list>
 #include <map>
 #include <string>
 #include <vector>
@@ -21,7 +21,7 @@ struct ReflectedBinding {
     BindingKind kind = BindingKind::storage;
     uint32_t strideBytes = 0;          // of the runtime array's element; 0 for texel buffers
     TexelType texel = TexelType::none;
-    std::string name;
+    std::string name;                  // of the texel buffer, or of the block
     bool readonly = false, writeonly = false;
 };
 
@@ -30,14 +30,18 @@ struct Reflection {
     uint32_t pushConstantBytes = 0;
     uint32_t localSize[3] = {1, 1, 1};       // default; a LocalSizeId is resolved against the constants given
     std::vector<uint32_t> specializationIds; // sorted
-    std::vector<std::string> specializationNames; // of the same constants; empty where the module has no names
+    std::vector<std::string> specializationNames; // of the same constants; kLocalSizeX, Y, Z for local_size_x_id, ...; empty where the module has no names
 };
 
-// Throws Error(device) naming the module when the words are not a compute module this reader understands.
-Reflection reflect(const Module& module, const std::map<uint32_t, uint32_t>& constants = {});
+// The values of a module's constants by constant_id: what Vulkan takes.
+using ConstantsById = std::map<uint32_t, uint32_t>;
 
-// constant_id -> 32-bit value (bool 0/1, int, float bits). kNativeDivide and kNativeRoot of shaders/shared/exact.h are
-// set from the self-test by the recorder wherever a module has them and the caller does not give them.
-using Specialization = std::map<uint32_t, uint32_t>;
+// Throws Error(device) naming the module when the words are not a compute module this reader understands.
+Reflection reflect(const Module& module, const ConstantsById& constants = {});
+
+// The values of a module's constants by their names in the shader: 32 bits each (bool 0/1, int, float bits). A pipeline is made only when every
+// constant of its module is given, so that none keeps a default by mistake. kNativeDivide and kNativeRoot (shaders/shared/exact.h) may be left
+// out: they are then what the device's self-test found.
+using Specialization = std::map<std::string, uint32_t>;
 
 }  // namespace plumb

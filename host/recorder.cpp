@@ -77,9 +77,9 @@ struct CheckedRange {
 };
 
 CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, const ReflectedBinding& want,
-                          const Bound& bound) {
+                          const Binding& bound) {
     const auto refuse = [&](const std::string& what) {
-        return renderError(fmt::format("{}: binding {} {}", module.name, want.binding, what));
+        return renderError(fmt::format("{}: binding {} {}", module.name, want.name, what));
     };
     if (!bound.buffer || !*bound.buffer) throw refuse("is given no buffer");
     const bool storage = bound.view == View::storage;
@@ -113,6 +113,21 @@ CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, cons
                                      bound.buffer->impl().name, limits.texelElements));
     }
     return {bound.offset, range};
+}
+
+// The bindings given, in the order of the module's own after its status. Each of the module's is given once, and nothing else.
+std::vector<const Binding*> ordered(const Module& module, const Reflection& reflection, std::span<const Binding> given) {
+    std::vector<const Binding*> inOrder(reflection.bindings.size() - 1);
+    for (const Binding& binding : given) {
+        size_t i = 0;
+        while (i < inOrder.size() && reflection.bindings[i + 1].name != binding.name) ++i;
+        if (i == inOrder.size()) throw renderError(fmt::format("{}: no binding is called {}", module.name, binding.name));
+        if (inOrder[i]) throw renderError(fmt::format("{}: binding {} is given twice", module.name, binding.name));
+        inOrder[i] = &binding;
+    }
+    for (size_t i = 0; i < inOrder.size(); ++i)
+        if (!inOrder[i]) throw renderError(fmt::format("{}: binding {} is not given", module.name, reflection.bindings[i + 1].name));
+    return inOrder;
 }
 
 }  // namespace
@@ -324,7 +339,7 @@ Recorder::Recorder(Recorder&&) noexcept = default;
 void Recorder::prepare(const Module& module, const Specialization& constants) { impl_->device.prepare(module, constants); }
 
 void Recorder::record(const char* label, const Module& module, uint64_t items, void* push, size_t pushBytes,
-                      std::span<const Bound> bindings, const Specialization& constants) {
+                      std::span<const Binding> given, const Specialization& constants) {
     RecorderImpl& r = *impl_;
     DeviceImpl& device = r.device;
     Program& program = device.program(module, constants);
@@ -332,12 +347,10 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     if (pushBytes != reflection.pushConstantBytes)
         throw renderError(fmt::format("{}: the push block has {} bytes in GLSL and {} in C++", module.name,
                                       reflection.pushConstantBytes, pushBytes));
-    if (bindings.size() + 1 != reflection.bindings.size())
-        throw renderError(fmt::format("{}: {} bindings after the status in GLSL and {} in C++", module.name,
-                                      reflection.bindings.size() - 1, bindings.size()));
+    const std::vector<const Binding*> bindings = ordered(module, reflection, given);
     std::vector<CheckedRange> ranges;
     for (size_t i = 0; i < bindings.size(); ++i)
-        ranges.push_back(checkedRange(device.limits, module, reflection.bindings[i + 1], bindings[i]));
+        ranges.push_back(checkedRange(device.limits, module, reflection.bindings[i + 1], *bindings[i]));
     if (items == 0) return;
     const uint64_t groups = (items - 1) / reflection.localSize[0] + 1;
     const uint64_t rows = (groups - 1) / std::max<uint64_t>(device.limits.groupCount[0], 1) + 1;
@@ -365,11 +378,11 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, nullptr, set, b, 0, 1};
         if (reflection.bindings[b].kind == BindingKind::storage) {
             if (b > 0)
-                buffers[b] = {bindings[b - 1].buffer->impl().block->buffer, ranges[b - 1].offset, ranges[b - 1].range};
+                buffers[b] = {bindings[b - 1]->buffer->impl().block->buffer, ranges[b - 1].offset, ranges[b - 1].range};
             write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
             write.pBufferInfo = &buffers[b];
         } else {
-            const Bound& bound = bindings[b - 1];
+            const Binding& bound = *bindings[b - 1];
             views[b] = device.memory->view(*bound.buffer->impl().block, viewFormat(bound.view).format,
                                            ranges[b - 1].offset, ranges[b - 1].range);
             write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;

@@ -22,22 +22,23 @@ namespace plumb {
 
 enum class View : uint32_t { storage, texelU32, texelU32x2, texelU32x4, texelF32, texelF32x4 };
 
-// What is bound at binding i+1 (0 is the status). Offset and range in bytes; range 0 = to the end.
+// A buffer for one binding of a dispatch, by the name that the shader gives it: that of a texel buffer, or of a block.
 // A storage range or a texel count above the device's limit is refused with a sentence.
-struct Bound {
+struct Binding {
+    const char* name = "";
     const RawBuffer* buffer = nullptr;
     View view = View::storage;
     uint32_t elementBytes = 0;  // sizeof(T) for storage: compared with the stride that the module declares
-    uint64_t offset = 0;
-    uint64_t range = 0;
+    uint64_t offset = 0;        // bytes
+    uint64_t range = 0;         // bytes; 0: to the end of the buffer
 };
 
 template <class T>
-Bound storage(const Buffer<T>& buffer, uint64_t firstElement = 0, uint64_t count = 0) {
-    return {&buffer, View::storage, uint32_t(sizeof(T)), firstElement * sizeof(T), count * sizeof(T)};
+Binding storage(const char* name, const Buffer<T>& buffer, uint64_t firstElement = 0, uint64_t count = 0) {
+    return {name, &buffer, View::storage, uint32_t(sizeof(T)), firstElement * sizeof(T), count * sizeof(T)};
 }
-inline Bound texels(const RawBuffer& buffer, View view, uint64_t offset = 0, uint64_t range = 0) {
-    return {&buffer, view, 0, offset, range};
+inline Binding texels(const char* name, const RawBuffer& buffer, View view, uint64_t offset = 0, uint64_t range = 0) {
+    return {name, &buffer, view, 0, offset, range};
 }
 
 struct PassTime {
@@ -57,13 +58,13 @@ public:
     // Records one dispatch of `items` invocations along x (rounded up to the local size; more groups than
     // maxComputeWorkGroupCount[0] go to y: modules compute their item from both, see shaders/shared/status.h).
     // `push` is a struct whose first member is `uint statusSlot` (overwritten here); its size must equal the module's.
-    // bindings[i] is bound at binding i+1. Refuses (Error(failed), a sentence naming module and binding) what does
-    // not fit: kinds, strides, texel types, count of bindings, push size, unknown constant ids, ranges.
+    // `bindings` are those of the module but its Status, in any order. Refuses (Error(failed), a sentence naming module and binding) what does
+    // not fit: names, kinds, strides, texel types, push size, ranges, constants that are unknown or not given.
     template <class Push>
-    void dispatch(const char* label, const Module& module, uint64_t items, Push push,
-                  std::initializer_list<Bound> bindings, const Specialization& constants = {}) {
+    void dispatch(const char* label, const Module& module, uint64_t items, Push push, const std::vector<Binding>& bindings,
+                  const Specialization& constants = {}) {
         static_assert(sizeof(Push) % 4 == 0);
-        record(label, module, items, &push, sizeof(Push), {bindings.begin(), bindings.size()}, constants);
+        record(label, module, items, &push, sizeof(Push), bindings, constants);
     }
     // Begins to make the pipeline of a later dispatch, with just these constants, on a thread of its own: a driver may take longer for a large
     // module than for all that comes before it. What goes wrong is thrown by that dispatch. `module` lives as long as the device.
@@ -87,7 +88,7 @@ public:
 
 private:
     void record(const char* label, const Module& module, uint64_t items, void* push, size_t pushBytes,
-                std::span<const Bound> bindings, const Specialization& constants);
+                std::span<const Binding> bindings, const Specialization& constants);
     void runWhenDue();
     std::unique_ptr<RecorderImpl> impl_;
 };

@@ -55,7 +55,7 @@ void runCanaries(Device& device, Recorder& recorder, SelfTest& verdict) {
     Buffer<gpu::CanaryAnswer> answers(device, gpu::kCanaryLanes, "canary answers");
     answers.fill(0);
     recorder.dispatch("canary", spirv::canary, gpu::kCanaryLanes, gpu::SelfTestPush{0, gpu::kCanaryIterations},
-                      {storage(answers)});
+                      {storage("Answers", answers)});
     recorder.run();
     const std::span<const gpu::CanaryAnswer> got = answers.span();
     verdict.loopLimit = 0;
@@ -89,7 +89,7 @@ SelfTest runVectors(Device& device, Recorder& recorder) {
     operands.upload(vectors);
     answers.fill(0xffffffffu);
     recorder.dispatch("selftest", spirv::selftest, vectors.size(), gpu::SelfTestPush{0, 0},
-                      {storage(operands), storage(answers)});
+                      {storage("Vectors", operands), storage("Answers", answers)});
     recorder.run();
     return judgeSelfTest(vectors, answers.span());
 }

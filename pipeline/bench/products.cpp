@@ -35,14 +35,14 @@ struct VerticesKernel {
 };
 
 void recordPairs(Recorder& recorder, const DeviceLimits& limits, const VerticesKernel& kernel, uint64_t count, const Buffer<glm::vec4>& in,
-                 const Bound& matrices, const Buffer<gpu::VertexPair>& out) {
+                 const Binding& matrices, const Buffer<gpu::VertexPair>& out) {
     PLUMB_ASSERT(pairsOf(count) <= out.count());
     const uint64_t most = verticesPerDispatch(limits);
     for (uint64_t first = 0; first < count; first += most) {
         const uint64_t here = std::min(most, count - first), pairs = pairsOf(here);
         recorder.dispatch("vertices", limits.int64 ? kernel.int64 : kernel.narrow, (pairs + gpu::kPairsPerLane - 1) / gpu::kPairsPerLane,
                           gpu::VerticesPush{0, uint32_t(here)},
-                          {texels(in, View::texelF32x4, first * 16, here * 16), matrices, storage(out, first / 2, pairs)}, kernel.constants);
+                          {texels("vertices", in, View::texelF32x4, first * 16, here * 16), matrices, storage("Results", out, first / 2, pairs)}, kernel.constants);
     }
 }
 
@@ -82,20 +82,21 @@ uint64_t verticesPerDispatch(const DeviceLimits& limits) { return mostOfBinding(
 void recordVertices(Recorder& recorder, const DeviceLimits& limits, uint32_t matrixCount, uint64_t count, const Buffer<glm::vec4>& in,
                     const Buffer<gpu::Rows>& matrices, const Buffer<gpu::VertexPair>& out) {
     PLUMB_ASSERT(matrixCount <= gpu::kMostMatrices);
-    recordPairs(recorder, limits, {spirv::vertices, spirv::vertices_int64, {{2, matrixCount}}}, count, in, storage(matrices), out);
+    recordPairs(recorder, limits, {spirv::vertices, spirv::vertices_int64, {{"kMatrices", matrixCount}, {"kLoads", true}}}, count, in, storage("Matrices", matrices), out);
 }
 
 void recordMarks(Recorder& recorder, const DeviceLimits& limits, uint64_t count, const Buffer<glm::vec4>& in, const Buffer<gpu::Rows>& matrices,
                  const Buffer<gpu::VertexPair>& out) {
-    recordPairs(recorder, limits, {spirv::vertices, spirv::vertices_int64, {{3, 0}}}, count, in, storage(matrices), out);
+    recordPairs(recorder, limits, {spirv::vertices, spirv::vertices_int64, {{"kMatrices", 1}, {"kLoads", false}}}, count, in, storage("Matrices", matrices), out);
 }
 
 void recordLongVertices(Recorder& recorder, const DeviceLimits& limits, Numbers numbers, uint64_t count, const Buffer<glm::vec4>& in,
                         const Buffer<gpu::LongRecord>& composite, const Buffer<gpu::VertexPair>& out) {
     PLUMB_ASSERT(numbers != Numbers::fp32);
-    const VerticesKernel kernel = numbers == Numbers::fp64 ? VerticesKernel{spirv::vertices_double, spirv::vertices_double_int64, {}}
-                                                           : VerticesKernel{spirv::vertices_block, spirv::vertices_block_int64, {}};
-    recordPairs(recorder, limits, kernel, count, in, storage(composite), out);
+    const Specialization oneMatrix = {{"kMatrices", 1}, {"kLoads", true}};
+    const VerticesKernel kernel = numbers == Numbers::fp64 ? VerticesKernel{spirv::vertices_double, spirv::vertices_double_int64, oneMatrix}
+                                                           : VerticesKernel{spirv::vertices_block, spirv::vertices_block_int64, oneMatrix};
+    recordPairs(recorder, limits, kernel, count, in, storage("Longs", composite), out);
 }
 
 void recordChainLevel(Recorder& recorder, const DeviceLimits& limits, Level level, uint32_t perLane, uint64_t count, const Buffer<gpu::Rows>& in,
@@ -107,10 +108,10 @@ void recordChainLevel(Recorder& recorder, const DeviceLimits& limits, Level leve
                               : mostOfBinding(limits, sizeof(gpu::Rows), 4, uint64_t(perLane) * 4);
     for (uint64_t first = 0; first < count; first += most) {
         const uint64_t here = std::min(most, count - first), lanes = (here + perLane - 1) / perLane;
-        const Specialization constants = {{2, level == Level::products}, {3, lanes > kManyLanes ? kLargeGroup : kSmallGroup},
-                                          {4, std::min(perLane, gpu::kFactorsPerStep + 1)}};
+        const Specialization constants = {{"kMultiplies", level == Level::products}, {"kLocalSizeX", lanes > kManyLanes ? kLargeGroup : kSmallGroup},
+                                          {"kPerLane", std::min(perLane, gpu::kFactorsPerStep + 1)}};
         recorder.dispatch("chain", spirv::chain, lanes, gpu::ChainPush{0, uint32_t(here), perLane, uint32_t(lanes)},
-                          {texels(in, View::texelF32x4, first * 64, here * 64), storage(out, first / perLane, lanes)}, constants);
+                          {texels("factors", in, View::texelF32x4, first * 64, here * 64), storage("Products", out, first / perLane, lanes)}, constants);
     }
 }
 

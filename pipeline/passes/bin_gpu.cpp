@@ -6,19 +6,19 @@
 namespace plumb {
 
 void recordBin(Recorder& recorder, gpu::BinPush push, const BinCounts& counts, const Specialization& exact, const BinBuffers& b) {
-    const auto record = [&](const char* label, uint32_t items, const Bound& of, const Buffer<uint32_t>& marks, bool strips) {
+    const auto record = [&](const char* label, uint32_t count, const Binding& items, const Buffer<uint32_t>& marks, bool strips) {
         Specialization constants = exact;
-        constants[2] = strips;
-        constants[3] = !strips && counts.listed;
-        constants[4] = strips && counts.wide;
-        push.itemCount = items;
-        recorder.dispatch(label, spirv::bin, items, push,
-                          {texels(b.draws, View::texelU32x4), texels(b.screen, View::texelU32x4), of, storage(b.tiles), storage(b.entries),
-                           storage(marks)},
+        constants["kStrips"] = strips;
+        constants["kListed"] = !strips && counts.listed;
+        constants["kWide"] = strips && counts.wide;
+        push.itemCount = count;
+        recorder.dispatch(label, spirv::bin, count, push,
+                          {texels("draws", b.draws, View::texelU32x4), texels("screen", b.screen, View::texelU32x4), items, storage("Tiles", b.tiles),
+                           storage("Entries", b.entries), storage("Spills", marks)},
                           constants);
     };
-    if (counts.walked) record("bin", counts.walked, texels(b.listed, View::texelU32x2), b.walkMarks, false);
-    if (counts.strips) record("bin strips", counts.strips, texels(b.strips, View::texelU32x4), b.stripMarks, true);
+    if (counts.walked) record("bin", counts.walked, texels("items", b.listed, View::texelU32x2), b.walkMarks, false);
+    if (counts.strips) record("bin strips", counts.strips, texels("items", b.strips, View::texelU32x4), b.stripMarks, true);
 }
 
 }  // namespace plumb

@@ -12,7 +12,7 @@ void recordCull(Recorder& recorder, const gpu::CullPush& push, const Specializat
                 const Buffer<gpu::ScreenVertex>& screen, const Buffer<gpu::CullRecord>& records) {
     const uint64_t lanes = (uint64_t(push.triangleCount) + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane;
     recorder.dispatch("cull", spirv::cull, lanes, push,
-                      {texels(triangles, View::texelU32x4), texels(screen, View::texelU32x4), storage(records)}, exact);
+                      {texels("triangles", triangles, View::texelU32x4), texels("screen", screen, View::texelU32x4), storage("Records", records)}, exact);
 }
 
 void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides, const Specialization& exact,
@@ -20,11 +20,11 @@ void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides,
                  const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& tiles, const Buffer<uint32_t>& entries,
                  const Buffer<uint32_t>& marks) {
     Specialization constants = exact;
-    constants[2] = push.tilesX != 0;
-    constants[3] = bothSides;
+    constants["kBin"] = push.tilesX != 0;
+    constants["kBothSides"] = bothSides;
     recorder.dispatch("setup", spirv::setup, push.placeCount, push,
-                      {texels(triangles, View::texelU32x4), texels(screen, View::texelU32x4), texels(sources, View::texelU32),
-                       storage(draws), storage(tiles), storage(entries), storage(marks)},
+                      {texels("triangles", triangles, View::texelU32x4), texels("screen", screen, View::texelU32x4), texels("sources", sources, View::texelU32),
+                       storage("Draws", draws), storage("Tiles", tiles), storage("Entries", entries), storage("Marks", marks)},
                       constants);
 }
 
@@ -32,16 +32,11 @@ void recordClip(Recorder& recorder, const gpu::ClipPush& push, const Specializat
                 const Buffer<glm::vec4>& positions, const Buffer<gpu::ObjectRecord>& objects,
                 const Buffer<gpu::ClipJob>& jobs, const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried,
                 const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& kinds, const Buffer<glm::vec4>* given) {
-    if (given == nullptr)
-        recorder.dispatch("clip", spirv::clip, push.jobCount, push,
-                          {texels(triangles, View::texelU32x4), texels(positions, View::texelF32x4), storage(objects), storage(jobs),
-                           storage(screen), storage(carried), storage(draws), storage(kinds)},
-                          exact);
-    else
-        recorder.dispatch("clip", spirv::clip_given, push.jobCount, push,
-                          {texels(triangles, View::texelU32x4), texels(positions, View::texelF32x4), storage(objects), storage(jobs),
-                           storage(screen), storage(carried), storage(draws), storage(kinds), storage(*given)},
-                          exact);
+    std::vector<Binding> bindings = {texels("triangles", triangles, View::texelU32x4), texels("positions", positions, View::texelF32x4),
+                                     storage("Objects", objects), storage("Jobs", jobs), storage("Screen", screen), storage("Varying", carried),
+                                     storage("Draws", draws), storage("Kinds", kinds)};
+    if (given != nullptr) bindings.push_back(storage("Given", *given));
+    recorder.dispatch("clip", given != nullptr ? spirv::clip_given : spirv::clip, push.jobCount, push, bindings, exact);
 }
 
 }  // namespace plumb

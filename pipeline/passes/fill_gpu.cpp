@@ -26,28 +26,28 @@ const Module& moduleOf(const FillChoices& choices) {
 
 Specialization constantsOf(const FillChoices& choices, bool distantViewer, const Specialization& exact) {
     Specialization constants = exact;
-    constants[2] = choices.shading;
-    constants[3] = choices.parts.diffuse;
-    constants[4] = choices.parts.specular;
-    constants[5] = choices.parts.point;
-    constants[6] = choices.oneMaterial;
-    constants[7] = choices.lightCount;
-    constants[8] = choices.encoding;
-    constants[9] = choices.planes;
-    constants[10] = choices.prior;
-    constants[11] = choices.wide;
-    constants[12] = choices.colour;
-    constants[13] = choices.write;
-    constants[15] = choices.parts.power;
-    constants[16] = choices.affine;
-    constants[17] = choices.depthBits;
-    constants[18] = distantViewer;
-    constants[20] = choices.unitNormals;
-    constants[21] = choices.coarse;
-    constants[24] = choices.lightKinds;
-    constants[25] = choices.one;
-    if (choices.vectors != gpu::kVectorsPixel) constants[30] = choices.vectors;
-    if (shuffles(choices)) constants[14] = choices.subgroupSize;
+    constants["kShading"] = choices.shading;
+    constants["kDiffuse"] = choices.parts.diffuse;
+    constants["kSpecular"] = choices.parts.specular;
+    constants["kPointLights"] = choices.parts.point;
+    constants["kOneMaterial"] = choices.oneMaterial;
+    constants["kLightCount"] = choices.lightCount;
+    constants["kEncoding"] = choices.encoding;
+    constants["kPlanes"] = choices.planes;
+    constants["kPrior"] = choices.prior;
+    constants["kWide"] = choices.wide;
+    constants["kColour"] = choices.colour;
+    constants["kWrite"] = choices.write;
+    constants["kPower"] = choices.parts.power;
+    constants["kAffine"] = choices.affine;
+    constants["kDepthBits"] = choices.depthBits;
+    constants["kDistantViewer"] = distantViewer;
+    constants["kUnitNormals"] = choices.unitNormals;
+    constants["kCoarse"] = choices.coarse;
+    constants["kLightKinds"] = choices.lightKinds;
+    constants["kOne"] = choices.one;
+    if (choices.vectors != gpu::kVectorsPixel) constants["kVectors"] = choices.vectors;
+    if (shuffles(choices)) constants["kSubgroupSize"] = choices.subgroupSize;
     return constants;
 }
 
@@ -60,24 +60,15 @@ void prepareFill(Recorder& recorder, const FillChoices& choices, bool distantVie
 void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices& choices, const Specialization& exact,
                 const FillBuffers& b, uint32_t firstTile) {
     const uint64_t tileOffset = uint64_t(firstTile) * sizeof(glm::uvec4);
-    if (choices.vectors != gpu::kVectorsPixel) {
-        recorder.dispatch("fill", moduleOf(choices), uint64_t(push.tileCount) * 8, push,
-                          {texels(b.draws, View::texelU32x4), texels(b.screen, View::texelU32x4), texels(b.carried, View::texelF32x4),
-                           texels(b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
-                           texels(b.entries, View::texelU32), texels(b.triangleMaterials, View::texelU32),
-                           texels(b.materials, View::texelF32x4), texels(b.lights, View::texelF32x4),
-                           texels(b.encodeTable, View::texelU32), storage(b.colours, b.firstColour, b.colourCount), storage(b.planes),
-                           texels(b.places, View::texelF32x4)},
-                          constantsOf(choices, push.toward != glm::vec3(0), exact));
-        return;
-    }
-    recorder.dispatch("fill", moduleOf(choices), uint64_t(push.tileCount) * 8, push,
-                      {texels(b.draws, View::texelU32x4), texels(b.screen, View::texelU32x4), texels(b.carried, View::texelF32x4),
-                       texels(b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
-                       texels(b.entries, View::texelU32), texels(b.triangleMaterials, View::texelU32),
-                       texels(b.materials, View::texelF32x4), texels(b.lights, View::texelF32x4),
-                       texels(b.encodeTable, View::texelU32), storage(b.colours, b.firstColour, b.colourCount), storage(b.planes)},
-                      constantsOf(choices, push.toward != glm::vec3(0), exact));
+    std::vector<Binding> bindings = {
+        texels("draws", b.draws, View::texelU32x4), texels("screen", b.screen, View::texelU32x4), texels("carried", b.carried, View::texelF32x4),
+        texels("tileRecords", b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
+        texels("entries", b.entries, View::texelU32), texels("triangleMaterials", b.triangleMaterials, View::texelU32),
+        texels("materials", b.materials, View::texelF32x4), texels("lights", b.lights, View::texelF32x4),
+        texels("encodeTable", b.encodeTable, View::texelU32), storage("Colours", b.colours, b.firstColour, b.colourCount),
+        storage("Planes", b.planes)};
+    if (choices.vectors != gpu::kVectorsPixel) bindings.push_back(texels("places", b.places, View::texelF32x4));
+    recorder.dispatch("fill", moduleOf(choices), uint64_t(push.tileCount) * 8, push, bindings, constantsOf(choices, push.toward != glm::vec3(0), exact));
 }
 
 }  // namespace plumb

@@ -21,11 +21,11 @@ void recordIlluminate(Recorder& recorder, const gpu::IlluminatePush& push, const
                       const Buffer<gpu::MaterialRecord>& materials, const Buffer<gpu::LightRecord>& lights,
                       const Buffer<glm::vec4>& colours) {
     Specialization constants = exact;
-    constants[2] = parts.diffuse;
-    constants[3] = parts.specular;
-    constants[4] = parts.point;
-    constants[5] = parts.power;
-    constants[6] = push.toward != glm::vec3(0);
+    constants["kDiffuse"] = parts.diffuse;
+    constants["kSpecular"] = parts.specular;
+    constants["kPointLights"] = parts.point;
+    constants["kPower"] = parts.power;
+    constants["kDistantViewer"] = push.toward != glm::vec3(0);
     const bool native = parts.power == gpu::kPowerNative;
     for (uint32_t light = 0; light == 0 || light < push.lightCount; light += gpu::kLightsPerWindow) {
         gpu::IlluminatePush part = push;
@@ -36,9 +36,9 @@ void recordIlluminate(Recorder& recorder, const gpu::IlluminatePush& push, const
             part.firstPoint = push.firstPoint + first;
             part.pointCount = std::min(points, push.pointCount - first);
             recorder.dispatch("illuminate", native ? spirv::illuminate_native : spirv::illuminate, (uint64_t(part.pointCount) + 3) / 4, part,
-                              {texels(positions, View::texelF32x4), texels(normals, View::texelF32x4),
-                               texels(pointMaterials, View::texelU32), storage(objects), texels(materials, View::texelF32x4),
-                               texels(lights, View::texelF32x4), storage(colours)},
+                              {texels("positions", positions, View::texelF32x4), texels("normals", normals, View::texelF32x4),
+                               texels("pointMaterials", pointMaterials, View::texelU32), storage("Objects", objects), texels("materials", materials, View::texelF32x4),
+                               texels("lights", lights, View::texelF32x4), storage("Colours", colours)},
                               constants);
         }
     }

@@ -10,10 +10,10 @@ void recordResolve(Recorder& recorder, const gpu::ResolvePush& push, uint32_t en
                    const RawBuffer& samplePlanes, const Buffer<uint32_t>& encodeTable, const Buffer<glm::uvec4>& colours,
                    const Buffer<glm::vec4>& linear) {
     Specialization constants = exact;
-    constants[2] = encoding;
-    constants[3] = linearOut;
+    constants["kEncoding"] = encoding;
+    constants["kLinearOut"] = linearOut;
     recorder.dispatch("resolve", encoding == gpu::kEncodeNative ? spirv::resolve_native : spirv::resolve, push.pixelQuads, push,
-                      {texels(samplePlanes, View::texelU32), texels(encodeTable, View::texelU32), storage(colours), storage(linear)},
+                      {texels("samplePlanes", samplePlanes, View::texelU32), texels("encodeTable", encodeTable, View::texelU32), storage("Colours", colours), storage("Linear", linear)},
                       constants);
 }
 

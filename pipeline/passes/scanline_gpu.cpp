@@ -15,14 +15,14 @@ void recordScanSpans(Recorder& recorder, const gpu::ScanPush& push, const Specia
                      const Buffer<gpu::ScanPolygon>& polygons, const Buffer<gpu::ScanEdge>& edges,
                      const Buffer<gpu::ScanCorner>& corners, const Buffer<gpu::ScanSpan>& spans) {
     recorder.dispatch("scanline", spirv::scanline, push.polygonCount, push,
-                      {storage(polygons), storage(edges), storage(corners), storage(spans)}, exact);
+                      {storage("Polygons", polygons), storage("Edges", edges), storage("Corners", corners), storage("Spans", spans)}, exact);
 }
 
 void recordScanPaint(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact,
                      const Buffer<gpu::ScanPolygon>& polygons, const Buffer<gpu::ScanSpan>& spans,
                      const Buffer<float>& z, const Buffer<uint32_t>& owner, const Buffer<glm::vec3>& carried) {
     recorder.dispatch("scanpaint", spirv::scanpaint, uint64_t(push.height), push,
-                      {storage(polygons), storage(spans), storage(z), storage(owner), storage(carried)}, exact);
+                      {storage("Polygons", polygons), storage("Spans", spans), storage("Depths", z), storage("Owners", owner), storage("Carried", carried)}, exact);
 }
 
 ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list, const Specialization& exact,

@@ -38,10 +38,10 @@ SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& li
                 fmt::format("--fill notes: {} of {} bytes exceed a binding of the device ({} bytes); the twin draws it",
                             what, bytes, range));
     Specialization constants = exact;
-    constants[2] = light.parts.diffuse;
-    constants[3] = light.parts.specular;
-    constants[4] = light.parts.point;
-    constants[5] = light.parts.power;
+    constants["kDiffuse"] = light.parts.diffuse;
+    constants["kSpecular"] = light.parts.specular;
+    constants["kPointLights"] = light.parts.point;
+    constants["kPower"] = light.parts.power;
     const auto discs = uploaded<gpu::SphereDisc>(device, list.discs, "spheres");
     const auto rowFirst = uploaded<uint32_t>(device, list.rowFirst, "rows of spheres");
     const auto rowDiscs = uploaded<uint32_t>(device, list.rowDiscs, "spheres of rows");
@@ -67,8 +67,8 @@ SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& li
             work += workOf(push.firstRow + push.rowCount++);
         recorder.dispatch("spheres", native ? spirv::spheres_native : spirv::spheres,
                           uint64_t(push.width) * push.rowCount, push,
-                          {storage(discs), storage(rowFirst), storage(rowDiscs), texels(materials, View::texelF32x4),
-                           texels(lights, View::texelF32x4), storage(depth), storage(owner), storage(colour)},
+                          {storage("Discs", discs), storage("RowFirst", rowFirst), storage("RowDiscs", rowDiscs), texels("materials", materials, View::texelF32x4),
+                           texels("lights", lights, View::texelF32x4), storage("Depths", depth), storage("Owners", owner), storage("Colours", colour)},
                           constants);
         push.firstRow += push.rowCount;
     }

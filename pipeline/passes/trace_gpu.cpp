@@ -39,48 +39,48 @@ uint32_t samplesOfInvocation(const gpu::TracePush& push, const TraceScene& scene
 void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices,
                  const Specialization& exact, const TraceBuffers& b) {
     Specialization constants = exact;
-    constants[2] = choices.encoding;
-    constants[3] = choices.planes;
-    constants[4] = choices.colour;
-    constants[5] = choices.list;
-    constants[6] = scene.far;
-    constants[35] = scene.close;
-    constants[7] = choices.count;
-    constants[8] = choices.parts.specular;
-    constants[9] = choices.parts.point;
-    constants[10] = choices.shadows;
-    constants[13] = choices.sampling;
-    constants[14] = choices.side;
-    constants[15] = !choices.pixels.empty();
-    constants[16] = choices.cutLevels;
-    constants[17] = gpu::ubitsOf(choices.jitterMirror);
-    constants[18] = gpu::ubitsOf(choices.jitterPass);
-    constants[19] = gpu::ubitsOf(choices.jitterFeeler);
-    constants[12] = !scene.nodes.empty();
+    constants["kEncoding"] = choices.encoding;
+    constants["kPlanes"] = choices.planes;
+    constants["kColour"] = choices.colour;
+    constants["kList"] = choices.list;
+    constants["kFar"] = scene.far;
+    constants["kClose"] = scene.close;
+    constants["kCount"] = choices.count;
+    constants["kSpecular"] = choices.parts.specular;
+    constants["kPointLights"] = choices.parts.point;
+    constants["kShadows"] = choices.shadows;
+    constants["kSampling"] = choices.sampling;
+    constants["kSide"] = choices.side;
+    constants["kListed"] = !choices.pixels.empty();
+    constants["kCutLevels"] = choices.cutLevels;
+    constants["kJitterMirror"] = gpu::ubitsOf(choices.jitterMirror);
+    constants["kJitterPass"] = gpu::ubitsOf(choices.jitterPass);
+    constants["kJitterFeeler"] = gpu::ubitsOf(choices.jitterFeeler);
+    constants["kMeshes"] = !scene.nodes.empty();
     const size_t spheres = scene.spheres.size(), planes = scene.planes.size();
-    constants[11] = spheres <= kUnrolledSpheres ? uint32_t(spheres) : ~0u;
-    constants[20] = planes <= kUnrolledPlanes ? uint32_t(planes) : ~0u;
-    constants[21] = spheres <= kHeldSpheres ? 1u : spheres <= kUnrolledSpheres && choices.lanes && !choices.list ? 2u : 0u;
-    constants[22] = uint32_t(std::bit_width(scene.lights.size()));
+    constants["kSpheres"] = spheres <= kUnrolledSpheres ? uint32_t(spheres) : ~0u;
+    constants["kBoards"] = planes <= kUnrolledPlanes ? uint32_t(planes) : ~0u;
+    constants["kHeldSpheres"] = spheres <= kHeldSpheres ? 1u : spheres <= kUnrolledSpheres && choices.lanes && !choices.list ? 2u : 0u;
+    constants["kFeelerBits"] = uint32_t(std::bit_width(scene.lights.size()));
     const bool refracts = sends(push, scene, &gpu::TraceMaterial::transmit);
-    constants[23] = std::max(1u, choices.lanes);
-    constants[24] = !scene.lights.empty();
-    constants[25] = refracts || sends(push, scene, &gpu::TraceMaterial::reflect);
-    constants[26] = refracts;
-    constants[27] = walksTogether(scene, choices.lanes);
-    constants[28] = choices.tiles;
-    constants[29] = scene.depth > choices.lanes;
-    constants[30] = push.maxDepth > choices.lanes;
-    constants[31] = samplesOfInvocation(push, scene, choices);
-    constants[32] = std::any_of(scene.materials.begin(), scene.materials.end(), [](const gpu::TraceMaterial& m) { return m.transmit > 0; });
-    constants[33] = scene.lights.size() == 1;
-    constants[34] = planes == 1;
+    constants["kLanes"] = std::max(1u, choices.lanes);
+    constants["kLights"] = !scene.lights.empty();
+    constants["kChildren"] = refracts || sends(push, scene, &gpu::TraceMaterial::reflect);
+    constants["kRefracts"] = refracts;
+    constants["kEyeTogether"] = walksTogether(scene, choices.lanes);
+    constants["kTiles"] = choices.tiles;
+    constants["kDeep"] = scene.depth > choices.lanes;
+    constants["kLongPaths"] = push.maxDepth > choices.lanes;
+    constants["kTurns"] = samplesOfInvocation(push, scene, choices);
+    constants["kDims"] = std::any_of(scene.materials.begin(), scene.materials.end(), [](const gpu::TraceMaterial& m) { return m.transmit > 0; });
+    constants["kOneLight"] = scene.lights.size() == 1;
+    constants["kOneBoard"] = planes == 1;
     recorder.dispatch("trace", choices.lanes ? spirv::trace_ballot : spirv::trace, push.itemCount, push,
-                      {texels(b.spheres, View::texelF32x4), texels(b.planes, View::texelF32x4), texels(b.surfaces, View::texelU32),
-                       texels(b.materials, View::texelF32x4), texels(b.lights, View::texelF32x4), texels(b.encodeTable, View::texelU32),
-                       storage(b.colours), storage(b.planeWords), storage(b.counters), storage(b.waiting), storage(b.states),
-                       texels(b.nodes, View::texelU32x4), texels(b.triangles, View::texelU32x4), texels(b.corners, View::texelF32x4),
-                       texels(b.pixels, View::texelU32), texels(b.leaves, View::texelU32x4), texels(b.powers, View::texelF32)},
+                      {texels("spheres", b.spheres, View::texelF32x4), texels("boards", b.planes, View::texelF32x4), texels("surfaces", b.surfaces, View::texelU32),
+                       texels("materials", b.materials, View::texelF32x4), texels("lights", b.lights, View::texelF32x4), texels("encodeTable", b.encodeTable, View::texelU32),
+                       storage("Colours", b.colours), storage("Planes", b.planeWords), storage("Counters", b.counters), storage("Waiting", b.waiting), storage("States", b.states),
+                       texels("nodes", b.nodes, View::texelU32x4), texels("triangles", b.triangles, View::texelU32x4), texels("corners", b.corners, View::texelF32x4),
+                       texels("pixels", b.pixels, View::texelU32), texels("leaves", b.leaves, View::texelU32x4), texels("powers", b.powers, View::texelF32)},
                       constants);
 }
 

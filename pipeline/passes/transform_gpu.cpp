@@ -15,8 +15,8 @@ namespace {
 
 Specialization constantsOf(Normals writeNormals, const Specialization& exact) {
     Specialization constants = exact;
-    constants[2] = writeNormals != Normals::none;
-    constants[3] = writeNormals == Normals::unit;
+    constants["kWriteNormals"] = writeNormals != Normals::none;
+    constants["kUnitNormals"] = writeNormals == Normals::unit;
     return constants;
 }
 
@@ -27,8 +27,8 @@ void recordTransform(Recorder& recorder, const gpu::TransformPush& push, Normals
                      const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::ScreenVertex>& screen,
                      const Buffer<glm::vec4>& carried) {
     recorder.dispatch("transform", spirv::transform, push.vertexCount, push,
-                      {texels(positions, View::texelF32x4), texels(normals, View::texelF32x4), storage(objects), storage(screen),
-                       storage(carried)},
+                      {texels("positions", positions, View::texelF32x4), texels("normals", normals, View::texelF32x4), storage("Objects", objects), storage("Screen", screen),
+                       storage("Varying", carried)},
                       constantsOf(writeNormals, exact));
 }
 
@@ -39,8 +39,8 @@ void recordLongTransform(Recorder& recorder, Device& device, const gpu::Transfor
     if (binary64)
         if (const std::string lacks = lacksBinary64(device); !lacks.empty()) throw usageError("transform=fp64: " + lacks);
     recorder.dispatch("transform", binary64 ? spirv::transform_double : spirv::transform_block, push.vertexCount, push,
-                      {texels(positions, View::texelF32x4), texels(normals, View::texelF32x4), storage(objects), storage(screen),
-                       storage(carried), storage(longer.records), storage(longer.clipSpace)},
+                      {texels("positions", positions, View::texelF32x4), texels("normals", normals, View::texelF32x4), storage("Objects", objects), storage("Screen", screen),
+                       storage("Varying", carried), storage("Longs", longer.records), storage("Clip", longer.clipSpace)},
                       constantsOf(writeNormals, exact));
 }
 

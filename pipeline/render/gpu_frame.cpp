@@ -43,8 +43,6 @@ uint32_t planeCount(uint32_t planes) {
 
 GpuFrame::GpuFrame(Device& device, const Prepared& prepared, double watchdogMs)
     : device_(device), prepared_(prepared), recorder_(device), watchdogMs_(watchdogMs) {
-    exact_[0] = device.selfTest().nativeDivideIsExact;
-    exact_[1] = device.selfTest().nativeRootIsExact;
     put<uint32_t>(device, encodeTable_, srgbBucketTable(), "encode table");
 }
 
@@ -155,18 +153,18 @@ void GpuFrame::transformAndCull(bool normals) {
         const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, chunk_->viewport};
         const Normals carry = writeNormals ? normalsCarried(choices, normals) : Normals::none;
         if (chunk_->numbers == Numbers::fp32)
-            recordTransform(recorder_, push, carry, exact_, positions_, normals_, objects_, screen_, carried_);
+            recordTransform(recorder_, push, carry, {}, positions_, normals_, objects_, screen_, carried_);
         else
-            recordLongTransform(recorder_, device_, push, carry, exact_, positions_, normals_, objects_, screen_, carried_, {chunk_->numbers, longs_, clipSpace_});
+            recordLongTransform(recorder_, device_, push, carry, {}, positions_, normals_, objects_, screen_, carried_, {chunk_->numbers, longs_, clipSpace_});
         const uint32_t lightCount = uint32_t(chunk_->lights.size());
         if (gouraud)
-            recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, exact_, positions_,
+            recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {}, positions_,
                              normals_, vertexMaterial_, objects_, materials_, lights_, carried_);
         if (choices.shading == gpu::kShadingFlat && !normals && r.faceCount)
-            recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, exact_, facePositions_,
+            recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {}, facePositions_,
                              faceNormals_, faceMaterial_, objects_, materials_, lights_, faceColours_);
     }
-    recordCull(recorder_, {0, uint32_t(chunk_->triangles.size()), chunk_->cullBackFaces, chunk_->frame}, exact_, triangles_, screen_,
+    recordCull(recorder_, {0, uint32_t(chunk_->triangles.size()), chunk_->cullBackFaces, chunk_->frame}, {}, triangles_, screen_,
                records_);
     carriedNormals_ = false;
     recorder_.run(watchdogMs_);
@@ -196,14 +194,14 @@ void GpuFrame::setupForBin() {
     tiles_.reserve(device_, std::max(1u, tiles), "tiles");
     entries_.reserve(device_, 1, "tile lists");
     if (binned_) makeRoom();
-    recordSetup(recorder_, {0, places_.drawCount, binned_ ? tilesX_ : 0, room_, chunk_->frame}, chunk_->cullBackFaces == 0, exact_, triangles_, screen_,
+    recordSetup(recorder_, {0, places_.drawCount, binned_ ? tilesX_ : 0, room_, chunk_->frame}, chunk_->cullBackFaces == 0, {}, triangles_, screen_,
                 sources_, draws_, tiles_, entries_, setupMarks_);
     wide_ = places_.wide;
     clippedDrawn_ = 0;
     if (places_.jobs.empty()) return;
     put<gpu::ClipJob>(device_, jobs_, places_.jobs, "clip jobs");
     kinds_.reserve(device_, places_.jobs.size(), "clip kinds");
-    recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, exact_, triangles_, positions_,
+    recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, {}, triangles_, positions_,
                objects_, jobs_, screen_, carried_, draws_, kinds_, chunk_->numbers == Numbers::fp32 ? nullptr : &clipSpace_);
     recorder_.run(watchdogMs_);
     for (size_t j = 0; j < places_.jobs.size(); ++j) {
@@ -297,7 +295,7 @@ void GpuFrame::bin() {
     put<glm::uvec4>(device_, stripBuffer_, strips_, "strips");
     walkMarks_.reserve(device_, std::max(1u, walked), "marks of triangles");
     stripMarks_.reserve(device_, std::max<uint64_t>(1, strips_.size()), "marks of strips");
-    recordBin(recorder_, binPush(), {walked, mediumWalk, uint32_t(strips_.size()), wide_}, exact_,
+    recordBin(recorder_, binPush(), {walked, mediumWalk, uint32_t(strips_.size()), wide_}, {},
               {draws_, screen_, medium_, stripBuffer_, tiles_, entries_, walkMarks_, stripMarks_});
     recorder_.run(watchdogMs_);
     collectLists(walked, std::exchange(binned_, false));
@@ -366,7 +364,7 @@ FillChoices GpuFrame::onDevice(FillChoices choices) const {
 void GpuFrame::prepare(FillChoices choices, uint32_t planes) {
     planes_ = withSum(planes);
     if (lightsInWindows()) return;  // several pipelines
-    prepareFill(recorder_, onDevice(choices), prepared_.list.towardViewer != glm::vec3(0), exact_);
+    prepareFill(recorder_, onDevice(choices), prepared_.list.towardViewer != glm::vec3(0), {});
 }
 
 // The fill writes every pixel of a tile with a list: where one draw makes the picture, the others are all that is to clear.
@@ -466,7 +464,7 @@ void GpuFrame::recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::
         // Tile offsets of a dispatch must meet minTexelBufferOffsetAlignment: 16 records are 256 bytes.
         if (t + 1 < tiles.size() && (work < kWorkPerDispatch || (t + 1) % 16)) continue;
         push.tileCount = t + 1 - first;
-        recordFill(recorder_, push, choices, exact_, buffers, first);
+        recordFill(recorder_, push, choices, {}, buffers, first);
         first = t + 1;
         work = 0;
     }
@@ -488,7 +486,7 @@ void GpuFrame::resolve(uint32_t encoding, bool transparent, bool linearOut) {
     push.linearSlot = planes_ & gpu::kFillPlaneTriangle ? 2 : 1;
     push.side = push.stride = side;
     push.transparent = transparent;
-    recordResolve(recorder_, push, encoding, linearOut, exact_, planeBuffer_, encodeTable_, resolved_, resolvedLinear_);
+    recordResolve(recorder_, push, encoding, linearOut, {}, planeBuffer_, encodeTable_, resolved_, resolvedLinear_);
     recorder_.run(watchdogMs_);
 }
 

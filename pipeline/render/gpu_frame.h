@@ -107,7 +107,6 @@ private:
     const DrawList* chunk_ = nullptr;
     Recorder recorder_;
     double watchdogMs_;
-    Specialization exact_;
     DrawPlaces places_;
     uint64_t binEntries_ = 0, clippedDrawn_ = 0;
     uint32_t room_ = 0, mostRoom_ = 0xffffffffu, crowded_ = 0;  // of the tiles' lists

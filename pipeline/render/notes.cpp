@@ -464,7 +464,6 @@ public:
         : device_(device),
           p_(p),
           watchdogMs_(request.watchdogMs),
-          exact_{{0, device.selfTest().nativeDivideIsExact}, {1, device.selfTest().nativeRootIsExact}},
           recorder_(device),
           objects_(uploaded<gpu::ObjectRecord>(device, withIdentity(p), "objects")),
           materials_(uploaded<gpu::MaterialRecord>(device, p.list.materials, "materials")),
@@ -485,7 +484,7 @@ public:
             Buffer<glm::vec4> colours(device_, count, "point colours");
             const gpu::IlluminatePush push{0, 0, uint32_t(count), std::min(record, uint32_t(p_.list.objects.size())), 0,
                                            uint32_t(p_.list.lights.size()), p_.list.towardViewer};
-            recordIlluminate(recorder_, push, p_.choices.parts, exact_, positions, normals, materials, objects_,
+            recordIlluminate(recorder_, push, p_.choices.parts, {}, positions, normals, materials, objects_,
                              materials_, lights_, colours);
             recorder_.run(watchdogMs_);
             all.insert(all.end(), colours.span().begin(), colours.span().begin() + ptrdiff_t(count));
@@ -493,7 +492,7 @@ public:
         return all;
     }
     ScanCanvas paint(const ScanList& list) override {
-        return scanlineGpu(device_, recorder_, list, exact_, watchdogMs_, nullptr);
+        return scanlineGpu(device_, recorder_, list, {}, watchdogMs_, nullptr);
     }
     Recorder& recorder() { return recorder_; }
 
@@ -501,7 +500,6 @@ private:
     Device& device_;
     const Prepared& p_;
     double watchdogMs_;
-    Specialization exact_;
     Recorder recorder_;
     Buffer<gpu::ObjectRecord> objects_;
     Buffer<gpu::MaterialRecord> materials_;

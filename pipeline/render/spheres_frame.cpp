@@ -108,10 +108,9 @@ void drawSpheresCpu(const Scene& scene, const Prepared& prepared, const RenderRe
 void drawSpheresGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request,
                     RenderResult& result) {
     const Listed listed = listOf(scene, prepared, request);
-    const Specialization exact{{0, device.selfTest().nativeDivideIsExact}, {1, device.selfTest().nativeRootIsExact}};
     Recorder recorder(device);
     const SphereCanvas canvas =
-        spheresGpu(device, recorder, listed.list, lightOf(scene, prepared), exact, request.watchdogMs);
+        spheresGpu(device, recorder, listed.list, lightOf(scene, prepared), {}, request.watchdogMs);
     write(scene, prepared, request, listed, canvas, result);
     result.times = recorder.takeTimes();
 }

@@ -47,8 +47,6 @@ public:
           recorder_(device),
           planes_(p, scene, request, grid_, result.frame),
           counters_(gpu::kCounters) {
-        exact_[0] = device.selfTest().nativeDivideIsExact;
-        exact_[1] = device.selfTest().nativeRootIsExact;
         const uint64_t steps = stepsOfRay(traced_);
         if (steps > kLoopLimit)
             throw inputError(
@@ -211,7 +209,7 @@ private:
     double dispatches(gpu::TracePush& push, const TraceChoices& choices) {
         double longestMs = 0;
         for (uint32_t unfinished = 1; unfinished != 0; push.first = 0) {
-            recordTrace(recorder_, push, traced_, choices, exact_, buffers_);
+            recordTrace(recorder_, push, traced_, choices, {}, buffers_);
             const auto start = std::chrono::steady_clock::now();
             recorder_.run(request_.watchdogMs);
             longestMs = std::max(
@@ -270,7 +268,7 @@ private:
         push.side = side;
         push.stride = stride;
         push.transparent = request_.transparent;
-        recordResolve(recorder_, push, choices.encoding, linearOut, exact_, buffers_.planeWords, buffers_.encodeTable,
+        recordResolve(recorder_, push, choices.encoding, linearOut, {}, buffers_.planeWords, buffers_.encodeTable,
                       resolved_, resolvedLinear_);
         recorder_.run(request_.watchdogMs);
     }
@@ -367,7 +365,6 @@ private:
     Recorder recorder_;
     TracePlanes planes_;
     std::vector<uint64_t> counters_;
-    Specialization exact_;
     TraceBuffers buffers_;
     Buffer<glm::uvec4> resolved_;
     Buffer<glm::vec4> resolvedLinear_;

@@ -125,7 +125,6 @@ void drawWireGpu(Device& device, const Scene& scene, const Prepared& p, const Re
     const std::vector<glm::uvec2> surfaces =
         surfacesOf(scene, p, request, result, [&device](const Scene& s, const RenderRequest& r) { return renderGpu(device, s, r); });
     const DeviceLimits& limits = device.limits();
-    const Specialization exact{{0, device.selfTest().nativeDivideIsExact}, {1, device.selfTest().nativeRootIsExact}};
     Recorder recorder(device);
     const uint64_t pitch = uint64_t(p.list.frame.width);
     std::vector<uint32_t> all(size_t(pitch) * size_t(p.list.frame.height), gpu::kNoEdge);
@@ -163,7 +162,7 @@ void drawWireGpu(Device& device, const Scene& scene, const Prepared& p, const Re
                 push.firstRow = int(firstRow);
                 push.rows = int(rows);
                 if (surfaces.empty()) {
-                    recordLines(recorder, push, exact, edges, positions, objects, owners);
+                    recordLines(recorder, push, {}, edges, positions, objects, owners);
                     recorder.run(request.watchdogMs);
                     continue;
                 }
@@ -171,7 +170,7 @@ void drawWireGpu(Device& device, const Scene& scene, const Prepared& p, const Re
                 push.surfaceRows = int(surfaceEnd - surfaceFirst);
                 Buffer<uint32_t> edgeFaces(device, count, "edge faces");
                 edgeFaces.upload(std::span(p.list.edgeFace).subspan(r.firstEdge + first, count));
-                recordHiddenLines(recorder, push, exact, edges, positions, objects, owners, edgeFaces, surfaceBand);
+                recordHiddenLines(recorder, push, {}, edges, positions, objects, owners, edgeFaces, surfaceBand);
                 recorder.run(request.watchdogMs);
             }
         std::copy_n(owners.span().begin(), rows * pitch, all.begin() + ptrdiff_t(firstRow * pitch));

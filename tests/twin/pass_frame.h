@@ -21,7 +21,7 @@ inline constexpr uint32_t kPassPlanes = gpu::kFillPlaneZ | gpu::kFillPlaneTriang
 
 // The two forms of division and root of shaders/shared/exact.h: as the self-test chose, and emulated.
 inline std::vector<Specialization> exactForms(const Device& device) {
-    return {{{0, device.selfTest().nativeDivideIsExact}, {1, device.selfTest().nativeRootIsExact}}, {{0, false}, {1, false}}};
+    return {{{"kNativeDivide", device.selfTest().nativeDivideIsExact}, {"kNativeRoot", device.selfTest().nativeRootIsExact}}, {{"kNativeDivide", false}, {"kNativeRoot", false}}};
 }
 
 template <class T>

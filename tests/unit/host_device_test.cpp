@@ -69,6 +69,8 @@ std::string messageOf(const std::function<void()>& action, Exit exit = Exit::fai
     return "nothing was thrown";
 }
 
+const Specialization kAddsNothing = {{"kAddend", 0}};
+
 class HostDevice : public testing::Test {
 protected:
     static void SetUpTestSuite() { shared() = std::make_unique<Device>(openDevice()); }
@@ -97,10 +99,10 @@ struct Addition {
         for (uint32_t i = 0; i < items; ++i) pairs.span()[i] = {i, 2 * i + 1}, texel.span()[i] = i * i;
         sums.fill(0xdeadbeefu);
     }
-    void record(Recorder& recorder, const Specialization& constants = {}, const char* label = "add",
+    void record(Recorder& recorder, const Specialization& constants = kAddsNothing, const char* label = "add",
                 uint32_t skippedGroups = 0) {
         recorder.dispatch(label, spirv::host_add, count, AddPush{77, count, 3, skippedGroups},
-                          {storage(pairs), texels(texel, View::texelU32), storage(sums)}, constants);
+                          {storage("Pairs", pairs), texels("texel", texel, View::texelU32), storage("Sums", sums)}, constants);
     }
     void expectSums(uint32_t addend = 0) const {
         for (uint32_t i = 0; i < count; ++i) ASSERT_EQ(sums.span()[i], i + (2 * i + 1) * 3 + i * i + addend) << i;
@@ -137,7 +139,7 @@ TEST_F(HostDevice, RunsAgainAfterARunAndWithOtherConstants) {
     Addition work(device(), 65);
     Recorder recorder(device());
     for (const uint32_t addend : {0u, 5u, 0xfffffff0u, 5u}) {
-        work.record(recorder, {{7, addend}});
+        work.record(recorder, {{"kAddend", addend}});
         recorder.run();
         work.expectSums(addend);
     }
@@ -148,18 +150,18 @@ TEST_F(HostDevice, RunsAgainAfterARunAndWithOtherConstants) {
 TEST_F(HostDevice, MakesPipelinesAheadOfTheirDispatch) {
     Addition work(device(), 65);
     Recorder recorder(device());
-    for (const uint32_t addend : {21u, 22u, 23u}) recorder.prepare(spirv::host_add, {{7, addend}});
-    recorder.prepare(spirv::host_add, {{7, 21}});
+    for (const uint32_t addend : {21u, 22u, 23u}) recorder.prepare(spirv::host_add, {{"kAddend", addend}});
+    recorder.prepare(spirv::host_add, {{"kAddend", 21}});
     for (const uint32_t addend : {22u, 21u, 21u}) {
-        work.record(recorder, {{7, addend}});
+        work.record(recorder, {{"kAddend", addend}});
         recorder.run();
         work.expectSums(addend);
     }
     // What cannot be made is refused by the dispatch that needs it, and again by the next; nobody else hears of it.
-    const Specialization unknown = {{8, 1}};
+    const Specialization unknown = {{"kMissing", 1}};
     recorder.prepare(spirv::host_add, unknown);
     for (int i = 0; i < 2; ++i) EXPECT_THROW(work.record(recorder, unknown), Error);
-    recorder.prepare(spirv::host_add, {{8, 2}});  // 23 and this one are never asked for: the device frees what there is
+    recorder.prepare(spirv::host_add, {{"kMissing", 2}});  // 23 and this one are never asked for: the device frees what there is
 }
 
 TEST_F(HostDevice, OrdersDependentDispatchesAndFills) {
@@ -171,7 +173,7 @@ TEST_F(HostDevice, OrdersDependentDispatchesAndFills) {
     for (int round = 0; round < 700; ++round) {  // more than one buffer of status slots and pool of queries
         const bool even = round % 2 == 0;
         recorder.dispatch("step", spirv::host_add, 512, AddPush{0, 512, 0, 0},
-                          {storage(pairs), texels(even ? a : b, View::texelU32), storage(even ? b : a)});
+                          {storage("Pairs", pairs), texels("texel", even ? a : b, View::texelU32), storage("Sums", even ? b : a)}, kAddsNothing);
     }
     recorder.fill("mark", b, 7, 4, 8);
     recorder.run();
@@ -198,8 +200,8 @@ TEST_F(HostDevice, BindsPartsOfBuffers) {
     Addition work(device(), 256);
     Recorder recorder(device());
     recorder.dispatch("add", spirv::host_add, 64, AddPush{0, 64, 3, 0},
-                      {storage(work.pairs, 128, 64), texels(work.texel, View::texelU32, 128 * 4, 64 * 4),
-                       storage(work.sums, 64, 64)});
+                      {storage("Pairs", work.pairs, 128, 64), texels("texel", work.texel, View::texelU32, 128 * 4, 64 * 4),
+                       storage("Sums", work.sums, 64, 64)}, kAddsNothing);
     recorder.run();
     EXPECT_EQ(work.sums.span()[64], 128u + 257u * 3u + 128u * 128u);
     EXPECT_EQ(work.sums.span()[63], 0xdeadbeefu);
@@ -210,7 +212,7 @@ TEST_F(HostDevice, DoesNothingForNoItems) {
     Addition work(device(), 64);
     Recorder recorder(device());
     recorder.dispatch("add", spirv::host_add, 0, AddPush{0, 64, 3, 0},
-                      {storage(work.pairs), texels(work.texel, View::texelU32), storage(work.sums)});
+                      {storage("Pairs", work.pairs), texels("texel", work.texel, View::texelU32), storage("Sums", work.sums)}, kAddsNothing);
     recorder.run();
     EXPECT_EQ(work.sums.span()[0], 0xdeadbeefu);
 }
@@ -220,8 +222,8 @@ TEST_F(HostDevice, DoesNothingForNoItems) {
 class Refusal : public HostDevice {
 protected:
     template <class Push>
-    std::string refusal(const Module& module, Push push, std::initializer_list<Bound> bindings,
-                        const Specialization& constants = {}, uint64_t items = 64) {
+    std::string refusal(const Module& module, Push push, const std::vector<Binding>& bindings,
+                        const Specialization& constants = kAddsNothing, uint64_t items = 64) {
         return messageOf([&] {
             Recorder recorder(device());
             recorder.dispatch("label", module, items, push, bindings, constants);
@@ -234,66 +236,70 @@ protected:
 TEST_F(Refusal, OfAnotherStride) {
     const Buffer<glm::uvec3> triples(device(), 64, "triples");
     EXPECT_EQ(
-        refusal(spirv::host_add, push_, {storage(triples), texels(work_.texel, View::texelU32), storage(work_.sums)}),
-        "host_add: binding 1 has elements of 8 bytes in GLSL and 12 in C++");
+        refusal(spirv::host_add, push_, {storage("Pairs", triples), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)}),
+        "host_add: binding Pairs has elements of 8 bytes in GLSL and 12 in C++");
 }
 
 TEST_F(Refusal, OfAnotherKind) {
     EXPECT_EQ(
         refusal(spirv::host_add, push_,
-                {texels(work_.pairs, View::texelU32x2), texels(work_.texel, View::texelU32), storage(work_.sums)}),
-        "host_add: binding 1 is a storage buffer in GLSL and a texel buffer in C++");
-    EXPECT_EQ(refusal(spirv::host_add, push_, {storage(work_.pairs), storage(work_.texel), storage(work_.sums)}),
-              "host_add: binding 2 is a texel buffer in GLSL and a storage buffer in C++");
+                {texels("Pairs", work_.pairs, View::texelU32x2), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)}),
+        "host_add: binding Pairs is a storage buffer in GLSL and a texel buffer in C++");
+    EXPECT_EQ(refusal(spirv::host_add, push_, {storage("Pairs", work_.pairs), storage("texel", work_.texel), storage("Sums", work_.sums)}),
+              "host_add: binding texel is a texel buffer in GLSL and a storage buffer in C++");
 }
 
 TEST_F(Refusal, OfAnotherTexelType) {
     EXPECT_EQ(refusal(spirv::host_add, push_,
-                      {storage(work_.pairs), texels(work_.texel, View::texelF32), storage(work_.sums)}),
-              "host_add: binding 2 reads unsigned integers in GLSL and floats in C++");
+                      {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelF32), storage("Sums", work_.sums)}),
+              "host_add: binding texel reads unsigned integers in GLSL and floats in C++");
 }
 
-TEST_F(Refusal, OfAnotherCountOfBindings) {
-    EXPECT_EQ(refusal(spirv::host_add, push_, {storage(work_.pairs)}),
-              "host_add: 3 bindings after the status in GLSL and 1 in C++");
-    EXPECT_EQ(
-        refusal(spirv::host_add, push_,
-                {storage(work_.pairs), texels(work_.texel, View::texelU32), storage(work_.sums), storage(work_.sums)}),
-        "host_add: 3 bindings after the status in GLSL and 4 in C++");
+TEST_F(Refusal, OfBindingsThatAreMissingDoubledOrUnknown) {
+    const Binding pairs = storage("Pairs", work_.pairs), texel = texels("texel", work_.texel, View::texelU32), sums = storage("Sums", work_.sums);
+    EXPECT_EQ(refusal(spirv::host_add, push_, {pairs, sums}), "host_add: binding texel is not given");
+    EXPECT_EQ(refusal(spirv::host_add, push_, {pairs, texel, sums, sums}), "host_add: binding Sums is given twice");
+    EXPECT_EQ(refusal(spirv::host_add, push_, {pairs, texel, sums, storage("Total", work_.sums)}), "host_add: no binding is called Total");
+    EXPECT_EQ(refusal(spirv::host_add, push_, {sums, texel, pairs}), "nothing was thrown") << "their order is free";
 }
 
 TEST_F(Refusal, OfAnotherPushBlock) {
     EXPECT_EQ(refusal(spirv::host_add, LoopPush{},
-                      {storage(work_.pairs), texels(work_.texel, View::texelU32), storage(work_.sums)}),
+                      {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)}),
               "host_add: the push block has 16 bytes in GLSL and 12 in C++");
 }
 
 TEST_F(Refusal, OfAnUnknownConstant) {
-    const auto bindings = {storage(work_.pairs), texels(work_.texel, View::texelU32), storage(work_.sums)};
-    EXPECT_EQ(refusal(spirv::host_add, push_, bindings, {{8, 1}}),
-              "host_add: no constant has id 8 (the module has 7 kAddend)");
+    const std::vector<Binding> bindings = {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)};
+    EXPECT_EQ(refusal(spirv::host_add, push_, bindings, {{"kAddend", 1}, {"kMissing", 1}}),
+              "host_add: no constant is called kMissing (the module has kAddend)");
+}
+
+TEST_F(Refusal, OfAForgottenConstant) {
+    const std::vector<Binding> bindings = {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)};
+    EXPECT_EQ(refusal(spirv::host_add, push_, bindings, {}), "host_add: the constant kAddend is not given");
 }
 
 TEST_F(Refusal, OfNoBuffer) {
     const Buffer<uint32_t> none;
     EXPECT_EQ(
-        refusal(spirv::host_add, push_, {storage(work_.pairs), texels(work_.texel, View::texelU32), storage(none)}),
-        "host_add: binding 3 is given no buffer");
+        refusal(spirv::host_add, push_, {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelU32), storage("Sums", none)}),
+        "host_add: binding Sums is given no buffer");
 }
 
 TEST_F(Refusal, OfARangeOutsideTheBuffer) {
     EXPECT_EQ(refusal(spirv::host_add, push_,
-                      {storage(work_.pairs, 32, 64), texels(work_.texel, View::texelU32), storage(work_.sums)}),
-              "host_add: binding 1 takes 512 bytes from byte 256 of buffer 'pairs', which has 512");
+                      {storage("Pairs", work_.pairs, 32, 64), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)}),
+              "host_add: binding Pairs takes 512 bytes from byte 256 of buffer 'pairs', which has 512");
     EXPECT_EQ(refusal(spirv::host_add, push_,
-                      {storage(work_.pairs, 64), texels(work_.texel, View::texelU32), storage(work_.sums)}),
-              "host_add: binding 1 takes 0 bytes from byte 512 of buffer 'pairs', which has 512");
+                      {storage("Pairs", work_.pairs, 64), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)}),
+              "host_add: binding Pairs takes 0 bytes from byte 512 of buffer 'pairs', which has 512");
 }
 
 TEST_F(Refusal, OfAnUnalignedBeginning) {
     EXPECT_EQ(refusal(spirv::host_add, push_,
-                      {storage(work_.pairs, 1), texels(work_.texel, View::texelU32), storage(work_.sums)}),
-              fmt::format("host_add: binding 1 begins at byte 8 of buffer 'pairs'; the device wants a multiple of {}",
+                      {storage("Pairs", work_.pairs, 1), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)}),
+              fmt::format("host_add: binding Pairs begins at byte 8 of buffer 'pairs'; the device wants a multiple of {}",
                           device().limits().storageOffsetAlignment));
 }
 
@@ -301,7 +307,7 @@ TEST_F(Refusal, OfAUniformBlock) {
     struct {
         uint32_t words[24];
     } push96{};
-    EXPECT_EQ(refusal(spirv::host_reflect, push96, {storage(work_.pairs)}, {{3, 8}}),
+    EXPECT_EQ(refusal(spirv::host_reflect, push96, {storage("Pairs", work_.pairs)}, {{"kLocalSizeX", 8}, {"kScale", 1}}),
               "host_reflect: binding 6 is a uniform buffer; the recorder binds storage and texel buffers");
 }
 
@@ -309,7 +315,7 @@ TEST_F(Refusal, OfTooLargeAWorkgroup) {
     struct {
         uint32_t words[24];
     } push96{};
-    EXPECT_EQ(refusal(spirv::host_reflect, push96, {storage(work_.pairs)}, {{3, 1u << 20}}),
+    EXPECT_EQ(refusal(spirv::host_reflect, push96, {storage("Pairs", work_.pairs)}, {{"kLocalSizeX", 1u << 20}, {"kScale", 1}}),
               fmt::format("host_reflect: 2097152 invocations a workgroup, the device allows 1 to {}",
                           device().limits().groupInvocations));
 }
@@ -317,7 +323,7 @@ TEST_F(Refusal, OfTooLargeAWorkgroup) {
 TEST_F(Refusal, LeavesTheRecorderAsItWas) {
     Recorder recorder(device());
     work_.record(recorder);
-    EXPECT_THROW(recorder.dispatch("label", spirv::host_add, 64, push_, {storage(work_.pairs)}), Error);
+    EXPECT_THROW(recorder.dispatch("label", spirv::host_add, 64, push_, {storage("Pairs", work_.pairs)}), Error);
     EXPECT_THROW(recorder.fill("label", work_.sums, 0, 2), Error);
     recorder.run();
     work_.expectSums();
@@ -335,7 +341,7 @@ TEST_F(Refusal, OfAModuleWithoutStatus) {
     std::vector<uint32_t> words(spirv::host_add.words.begin(), spirv::host_add.words.end());
     for (size_t at = 5; at < words.size(); at += words[at] >> 16)  // binding 0 becomes 4
         if ((words[at] & 0xffffu) == 71 && words[at + 2] == 33 && words[at + 3] == 0) words[at + 3] = 4;
-    EXPECT_NE(refusal(Module{"bare", words, "other"}, push_, {storage(work_.pairs)})
+    EXPECT_NE(refusal(Module{"bare", words, "other"}, push_, {storage("Pairs", work_.pairs)})
                   .find("bare: binding 0 is not the Status buffer"),
               std::string::npos);
 }
@@ -357,7 +363,7 @@ TEST_F(HostDevice, NoticesALoopThatWasCut) {
     Buffer<uint32_t> states(device(), 64, "states");
     Recorder recorder(device());
     const auto loop = [&](const char* label, uint32_t iterations, uint32_t wanted) {
-        recorder.dispatch(label, spirv::host_loop, 64, LoopPush{0, iterations, 64, wanted}, {storage(states)});
+        recorder.dispatch(label, spirv::host_loop, 64, LoopPush{0, iterations, 64, wanted}, {storage("States", states)});
         return messageOf([&] { recorder.run(); });
     };
     const auto expectStates = [&](uint32_t steps) {
@@ -378,7 +384,7 @@ TEST_F(HostDevice, NoticesALoopThatWasCut) {
 TEST_F(HostDevice, NoticesWorkgroupsThatDoNotFinish) {
     Addition work(device(), 64 * 240);
     Recorder recorder(device());
-    work.record(recorder, {}, "add", 12);
+    work.record(recorder, kAddsNothing, "add", 12);
     EXPECT_EQ(messageOf([&] { recorder.run(); }), "add: 12 of 240 workgroups did not finish");
 }
 
@@ -387,7 +393,7 @@ TEST_F(HostDevice, StopsWaitingAtTheWatchdog) {
     Buffer<uint32_t> states(own, 64, "states");
     {
         Recorder recorder(own);
-        recorder.dispatch("slow", spirv::host_loop, 64 * 256, LoopPush{0, kLongestLoop, 64, kLongestLoop}, {storage(states)});
+        recorder.dispatch("slow", spirv::host_loop, 64 * 256, LoopPush{0, kLongestLoop, 64, kLongestLoop}, {storage("States", states)});
         EXPECT_EQ(messageOf([&] { recorder.run(1); }), "slow: the device did not finish within 1 ms (watchdog)");
         EXPECT_EQ(messageOf([&] { recorder.fill("more", states, 0); }),
                   "the device is still busy with work that ran into the watchdog");
@@ -459,13 +465,13 @@ TEST_F(HostDevice, ShrinksLimits) {
     Recorder recorder(own);
     Addition work(own, 1000);
     EXPECT_EQ(messageOf([&] { work.record(recorder); }),
-              "host_add: binding 2 takes 1000 texels of buffer 'texel', the device allows 300");
+              "host_add: binding texel takes 1000 texels of buffer 'texel', the device allows 300");
     Addition large(own, 9000);
     EXPECT_EQ(messageOf([&] { large.record(recorder); }),
-              "host_add: binding 1 takes 72000 bytes of buffer 'pairs', the device allows 65536");
+              "host_add: binding Pairs takes 72000 bytes of buffer 'pairs', the device allows 65536");
     Buffer<uint32_t> states(own, 64, "states");
     EXPECT_EQ(messageOf([&] {
-                  recorder.dispatch("loop", spirv::host_loop, 64 * 17, LoopPush{0, 1, 64, 1}, {storage(states)});
+                  recorder.dispatch("loop", spirv::host_loop, 64 * 17, LoopPush{0, 1, 64, 1}, {storage("States", states)});
               }),
               "host_loop: 1088 items are 17 workgroups, the device allows 4 x 4");
     EXPECT_EQ(messageOf([&] { Buffer<uint32_t>(own, 1 << 19, "big"); }),
@@ -489,10 +495,10 @@ TEST_F(HostDevice, TimesByTheHostWithoutTimeStamps) {
     Device own = openDevice("timestamps=0");
     Addition work(own, 64);
     Recorder recorder(own);
-    work.record(recorder, {}, "one");
+    work.record(recorder, kAddsNothing, "one");
     recorder.run();
-    work.record(recorder, {}, "one");
-    work.record(recorder, {}, "two");
+    work.record(recorder, kAddsNothing, "one");
+    work.record(recorder, kAddsNothing, "two");
     recorder.run();
     const std::vector<PassTime> times = recorder.takeTimes();
     ASSERT_EQ(times.size(), 3u);
@@ -526,7 +532,7 @@ void expectExact(Device& device, int seedErrorUlp) {
         }
     Recorder recorder(device);
     recorder.dispatch("exact", spirv::host_exact, kCount, ExactPush{0, kCount, seedErrorUlp},
-                      {storage(operands), storage(answers)});
+                      {storage("Operands", operands), storage("Answers", answers)});
     recorder.run();
     for (uint32_t i = 0; i < kCount; ++i) {
         const glm::vec2 v = operands.span()[i];

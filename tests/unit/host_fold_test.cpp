@@ -58,9 +58,9 @@ size_t contractible(std::span<const uint32_t> words) {
     return count;
 }
 
-Specialization someConstants(const Reflection& r, std::mt19937& random) {
+ConstantsById someConstants(const Reflection& r, std::mt19937& random) {
     constexpr uint32_t kValues[] = {0, 1, 2, 3, 4, 8, 16, 31, 32, 33};
-    Specialization constants;
+    ConstantsById constants;
     for (size_t i = 0; i < r.specializationIds.size(); ++i) {
         const std::string& name = r.specializationNames[i];
         if (name.find("Size") != std::string::npos) continue;  // workgroups and subgroups have sizes of their own
@@ -78,7 +78,7 @@ TEST(Fold, LeavesEveryModuleValidDeclaredAsBeforeAndExact) {
         std::seed_seq seed(loaded.name.begin(), loaded.name.end());  // the same constants whatever other modules there are
         std::mt19937 random(seed);
         for (int round = 0; round < 12; ++round) {
-            const Specialization constants = round == 0 ? Specialization() : someConstants(before, random);
+            const ConstantsById constants = round == 0 ? ConstantsById() : someConstants(before, random);
             const std::vector<uint32_t> words = foldConstants(loaded.module(), constants);
             EXPECT_LT(words.size(), loaded.words.size()) << loaded.name;
             const Reflection after = reflect({loaded.name, words, ""}, constants);
