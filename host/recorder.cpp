@@ -5,11 +5,13 @@
 #include "shared/status.h"
 
 #include <cstdint>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <optional>
+#include <map>
 #include <memory>
 #include <span>
 #include <utility>
@@ -155,10 +157,13 @@ struct RecorderImpl {
     double everyMs = 0;
     std::function<void()> between;
     std::vector<PassTime> times;
+    std::optional<std::vector<std::string>> allowed;  // labels; none: all
+    std::map<std::string, std::string> skipped;       // label: why
 
     explicit RecorderImpl(DeviceImpl& d);
     gpu::StatusSlot& status(uint32_t slot) const;
     ~RecorderImpl();
+    void checkLabel(const char* label) const;
     void begin();
     void beginCommand();
     void endCommand(Command command);
@@ -203,6 +208,11 @@ void RecorderImpl::destroy() {
 
 gpu::StatusSlot& RecorderImpl::status(uint32_t slot) const {
     return static_cast<gpu::StatusSlot*>(statusBuffers[slot / kSlotsPerBuffer].block->mapped)[slot % kSlotsPerBuffer];
+}
+
+void RecorderImpl::checkLabel(const char* label) const {
+    if (allowed && std::find(allowed->begin(), allowed->end(), label) == allowed->end())
+        throw renderError(fmt::format("{}: no step of the plan has this name (its steps here are {})", label, fmt::join(*allowed, ", ")));
 }
 
 void RecorderImpl::begin() {
@@ -341,6 +351,7 @@ void Recorder::prepare(const Module& module, const Specialization& constants) { 
 void Recorder::record(const char* label, const Module& module, uint64_t items, void* push, size_t pushBytes,
                       std::span<const Binding> given, const Specialization& constants) {
     RecorderImpl& r = *impl_;
+    r.checkLabel(label);
     DeviceImpl& device = r.device;
     Program& program = device.program(module, constants);
     const Reflection& reflection = program.reflection;
@@ -351,7 +362,7 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     std::vector<CheckedRange> ranges;
     for (size_t i = 0; i < bindings.size(); ++i)
         ranges.push_back(checkedRange(device.limits, module, reflection.bindings[i + 1], *bindings[i]));
-    if (items == 0) return;
+    if (items == 0) return skip(label, "nothing was left for it");
     const uint64_t groups = (items - 1) / reflection.localSize[0] + 1;
     const uint64_t rows = (groups - 1) / std::max<uint64_t>(device.limits.groupCount[0], 1) + 1;
     const uint64_t columns = (groups - 1) / rows + 1;
@@ -404,6 +415,7 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
 }
 
 void Recorder::fill(const char* label, const RawBuffer& buffer, uint32_t word, uint64_t offset, uint64_t bytes) {
+    impl_->checkLabel(label);
     if (!buffer) throw renderError(fmt::format("{}: no buffer to fill", label));
     const uint64_t all = buffer.bytes() & ~uint64_t(3);
     if (offset % 4 != 0 || bytes % 4 != 0 || offset > all || bytes > all - offset)
@@ -470,6 +482,12 @@ void Recorder::runEvery(uint32_t commands, double watchdogMs, std::function<void
 }
 
 void Recorder::timeApart(double watchdogMs) { impl_->apartMs = watchdogMs; }
+
+void Recorder::allow(std::vector<std::string> labels) { impl_->allowed = std::move(labels); }
+
+void Recorder::skip(const char* label, const char* why) { impl_->skipped[label] = why; }
+
+std::map<std::string, std::string> Recorder::takeSkipped() { return std::exchange(impl_->skipped, {}); }
 
 std::vector<PassTime> Recorder::takeTimes() { return std::exchange(impl_->times, {}); }
 

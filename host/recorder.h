@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -69,6 +70,12 @@ public:
     // Begins to make the pipeline of a later dispatch, with just these constants, on a thread of its own: a driver may take longer for a large
     // module than for all that comes before it. What goes wrong is thrown by that dispatch. `module` lives as long as the device.
     void prepare(const Module& module, const Specialization& constants);
+    // From now on a dispatch or fill under any other label is refused (Error(failed), one sentence).
+    void allow(std::vector<std::string> labels);
+    // States that what goes by this label had nothing to do; so does a dispatch of 0 items.
+    void skip(const char* label, const char* why);
+    // Labels that had nothing to do since the last call, with the reason stated last.
+    std::map<std::string, std::string> takeSkipped();
     void fill(const char* label, const RawBuffer& buffer, uint32_t word, uint64_t offset = 0, uint64_t bytes = 0);
 
     // Submits what was recorded, waits (time-out `watchdogMs`), checks the status slots, collects the times, and

@@ -78,7 +78,11 @@ Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest&
 }
 
 std::string explained(const Plan& plan) {
-    std::string text = fmt::format("passes: {}\n", fmt::join(plan.passes, ", "));
+    std::string text = fmt::format("passes: {}\n", plan.steps.empty() ? "none" : fmt::format("{}", fmt::join(plan.names(), ", ")));
+    for (const PlanStep& step : plan.steps) {
+        const std::string where = step.fusedIn.empty() ? nameOf(step.side) : "in " + step.fusedIn;
+        text += fmt::format("  {:<10} {:<10} {}{}\n", step.name, where, step.why, step.idle.empty() ? "" : fmt::format(" (nothing to do: {})", step.idle));
+    }
     for (const Plan::Drop& drop : plan.dropped) text += fmt::format("dropped: {}: {}\n", drop.what, drop.why);
     for (const std::string& choice : plan.choices) text += fmt::format("choice: {}\n", choice);
     return text;
@@ -199,7 +203,7 @@ Exit renderCommand(const Options& options) {
     if (!draws) {
         Json sceneReport = sceneJson(scene, sources);
         tellMoved(sceneReport);
-        const Plan plan = planRender(scene, request);
+        const Plan plan = planRender(scene, request, options.device == "twin" ? RunsOn::twin : RunsOn::device);
         if (!options.json || !options.jsonFile.empty()) printData(explained(plan));
         writeJson(options, {{{"tool", toolJson()}, {"scene", sceneReport}, {"camera", cameraJson(views[0].camera)}, {"plan", planJson(plan)}}});
         return Exit::done;

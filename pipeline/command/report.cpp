@@ -129,7 +129,14 @@ Json sceneJson(const Scene& scene, const std::vector<SourceFile>& sources) {
 Json planJson(const Plan& plan) {
     Json skipped = Json::array();
     for (const Plan::Drop& drop : plan.dropped) skipped.push_back({{"pass", drop.what}, {"why", drop.why}});
-    return {{"passes", plan.passes}, {"skipped", skipped}, {"choices", plan.choices}};
+    Json steps = Json::array();
+    for (const PlanStep& step : plan.steps) {
+        Json one = {{"pass", step.name}, {"side", nameOf(step.side)}, {"why", step.why}, {"ran", step.ran}};
+        one["fused_in"] = step.fusedIn.empty() ? Json() : Json(step.fusedIn);
+        one["nothing_to_do"] = step.idle.empty() ? Json() : Json(step.idle);
+        steps.push_back(std::move(one));
+    }
+    return {{"passes", plan.names()}, {"steps", steps}, {"skipped", skipped}, {"choices", plan.choices}};
 }
 
 Json countersJson(const RenderCounters& c) {

@@ -17,8 +17,8 @@ void recordBin(Recorder& recorder, gpu::BinPush push, const BinCounts& counts, c
                            storage("Entries", b.entries), storage("Spills", marks)},
                           constants);
     };
-    if (counts.walked) record("bin", counts.walked, texels("items", b.listed, View::texelU32x2), b.walkMarks, false);
-    if (counts.strips) record("bin strips", counts.strips, texels("items", b.strips, View::texelU32x4), b.stripMarks, true);
+    record("bin", counts.walked, texels("items", b.listed, View::texelU32x2), b.walkMarks, false);
+    record("bin strips", counts.strips, texels("items", b.strips, View::texelU32x4), b.stripMarks, true);
 }
 
 }  // namespace plumb

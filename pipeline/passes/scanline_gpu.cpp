@@ -46,7 +46,10 @@ ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list,
     carried.fill(0);
     const uint32_t count = uint32_t(list.polygons.size());
     if (spansOut) spansOut->clear();
-    if (count > 0) {
+    if (count == 0) {
+        recorder.skip("scanline", "no polygon is left to fill");
+        recorder.skip("scanpaint", "no polygon is left to fill");
+    } else {
         Buffer<gpu::ScanPolygon> polygons(device, count, "polygons");
         Buffer<gpu::ScanEdge> edges(device, list.edges.size(), "edge tables");
         Buffer<gpu::ScanCorner> corners(device, list.corners.size(), "corners");

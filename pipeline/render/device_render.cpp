@@ -85,6 +85,7 @@ RenderResult DeviceRender::draw() {
     PlaneWriter writer(p_, request_.planes, result_.frame);
     if (request_.shading == Shading::wire) {
         drawWireGpu(device_, scene_, p_, request_, result_);
+        result_.plan.close(result_.times);
         result_.totalMs = total.elapsedMs();
         return std::move(result_);
     }
@@ -112,6 +113,8 @@ RenderResult DeviceRender::draw() {
         }
     }
     result_.times = frame_.recorder().takeTimes();
+    for (const auto& [step, why] : frame_.recorder().takeSkipped()) result_.plan.skip(step, why);
+    result_.plan.close(result_.times);
     result_.totalMs = total.elapsedMs();
     return std::move(result_);
 }

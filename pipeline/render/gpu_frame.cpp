@@ -43,6 +43,7 @@ uint32_t planeCount(uint32_t planes) {
 
 GpuFrame::GpuFrame(Device& device, const Prepared& prepared, double watchdogMs)
     : device_(device), prepared_(prepared), recorder_(device), watchdogMs_(watchdogMs) {
+    recorder_.allow(prepared.plan.labels(RunsOn::device));
     put<uint32_t>(device, encodeTable_, srgbBucketTable(), "encode table");
 }
 
@@ -198,7 +199,7 @@ void GpuFrame::setupForBin() {
                 sources_, draws_, tiles_, entries_, setupMarks_);
     wide_ = places_.wide;
     clippedDrawn_ = 0;
-    if (places_.jobs.empty()) return;
+    if (places_.jobs.empty()) return recorder_.skip("clip", "no triangle crosses the near plane or leaves the guard band");
     put<gpu::ClipJob>(device_, jobs_, places_.jobs, "clip jobs");
     kinds_.reserve(device_, places_.jobs.size(), "clip kinds");
     recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, {}, triangles_, positions_,
@@ -229,7 +230,8 @@ void GpuFrame::beginBand(const gpu::FrameBox& band, uint32_t planes) {
     firstColour_ = above;
     colours_.reserve(device_, std::max<uint64_t>(planeQuads_, rows * rowQuads_), "colours");
     planeBuffer_.reserve(device_, std::max<uint64_t>(1, uint64_t(planeQuads_) * planeCount(planes)), "planes");
-    if (!clearsEmptyTiles()) recorder_.fill("clear", colours_, prepared_.background & 0xffffffu, firstColour_ * 16, uint64_t(planeQuads_) * 16);
+    if (clearsEmptyTiles()) recorder_.skip("clear", "the host clears the tiles without triangles");
+    else recorder_.fill("clear", colours_, prepared_.background & 0xffffffu, firstColour_ * 16, uint64_t(planeQuads_) * 16);
     uint64_t slot = 0;
     const uint64_t bytes = uint64_t(planeQuads_) * 16;
     const auto clear = [&](uint32_t word) { recorder_.fill("clear", planeBuffer_, word, slot++ * bytes, bytes); };
@@ -391,6 +393,7 @@ void GpuFrame::clearEmptyTiles() {
 
 void GpuFrame::fill(FillChoices choices) {
     if (clearsEmptyTiles()) clearEmptyTiles();
+    if (tileRecords_.empty()) recorder_.skip("fill", "no triangle is drawn");
     choices = onDevice(choices);
     const bool lit = choices.shading == gpu::kShadingPhong && (choices.parts.diffuse || choices.parts.specular);
     const uint32_t lightCount = lit ? uint32_t(chunk_->lights.size()) : 0;

@@ -92,7 +92,11 @@ public:
     }
 
     void draw() {
-        for (uint32_t r = 0; r < p_.list.ranges.size(); ++r) addObject(r);
+        {
+            const Stopwatch watch(nullptr, "");
+            for (uint32_t r = 0; r < p_.list.ranges.size(); ++r) addObject(r);
+            addTime(result_.times, "project", watch.elapsedMs() - illuminateMs_);
+        }
         const ScanCanvas canvas = side_.paint(list_);
         finish(canvas);
     }
@@ -172,7 +176,11 @@ private:
             faces.push_back(f);
         }
         std::vector<glm::vec4> colours;
-        if (!points.positions.empty()) colours = side_.illuminate(points, r.record);
+        if (!points.positions.empty()) {
+            const Stopwatch watch(nullptr, "");
+            colours = side_.illuminate(points, r.record);
+            illuminateMs_ += watch.elapsedMs();
+        }
         result_.counters.illuminations += points.positions.size();
 
         for (const Face& f : faces) {
@@ -301,6 +309,7 @@ private:
     }
 
     void finish(const ScanCanvas& canvas) {
+        if (result_.counters.illuminations == 0) result_.plan.skip("illuminate", "nothing is seen that is lit");
         const size_t pixels = canvas.owner.size();
         std::vector<glm::vec3> linear(pixels, p_.backgroundLinear), normals;
         std::vector<uint32_t> covered;
@@ -379,6 +388,7 @@ private:
 
     // Encoded and linear colour; samples are resolved in linear light, by the same host code for both sides.
     void writeColour(const std::vector<uint32_t>& covered, const std::vector<glm::vec3>& linear) {
+        const Stopwatch watch(&result_.times, p_.side > 1 ? "resolve" : "encode");
         Frame& out = result_.frame;
         std::vector<float> samples(3 * linear.size());
         for (size_t i = 0; i < linear.size(); ++i) std::copy_n(&linear[i].x, 3, samples.begin() + ptrdiff_t(3 * i));
@@ -408,6 +418,7 @@ private:
     dvec3 right_, down_, forward_, eye_;
     double focal_ = 0, distance_ = 0, near_ = 0, unit_ = 1;
     double zUnit_ = 1;  // power of two that brings the viewer's distance to [1, 2): the fill's Z keeps clear of float32's ends
+    double illuminateMs_ = 0;
     ScanList list_;
     std::vector<NotesPolygon> from_;
 };
@@ -467,7 +478,9 @@ public:
           recorder_(device),
           objects_(uploaded<gpu::ObjectRecord>(device, withIdentity(p), "objects")),
           materials_(uploaded<gpu::MaterialRecord>(device, p.list.materials, "materials")),
-          lights_(uploaded<gpu::LightRecord>(device, p.list.lights, "lights")) {}
+          lights_(uploaded<gpu::LightRecord>(device, p.list.lights, "lights")) {
+        recorder_.allow(p.plan.labels(RunsOn::device));
+    }
     std::vector<glm::vec4> illuminate(const Points& points, uint32_t record) override {
         const DeviceLimits& l = device_.limits();
         const uint64_t most =
@@ -517,7 +530,9 @@ void drawNotesGpu(Device& device, const Scene& scene, const Prepared& prepared, 
                   RenderResult& result) {
     DeviceSide side(device, prepared, request);
     NotesFrame(scene, prepared, request, side, result).draw();
-    result.times = side.recorder().takeTimes();
+    const std::vector<PassTime> times = side.recorder().takeTimes();
+    result.times.insert(result.times.end(), times.begin(), times.end());
+    for (const auto& [step, why] : side.recorder().takeSkipped()) result.plan.skip(step, why);
 }
 
 }  // namespace plumb

@@ -2,6 +2,7 @@
 #include "pipeline/render/prepare.h"
 
 #include "pipeline/passes/long_rows.h"
+#include "pipeline/render/plan_steps.h"
 #include "pipeline/render/polygons.h"
 #include "pipeline/scene/flattened.h"
 #include "pipeline/scene/plain_floats.h"
@@ -383,7 +384,7 @@ void findUndrawn(bool transparent, Prepared& p) {
 
 }  // namespace
 
-Prepared prepare(const Scene& scene, const RenderRequest& request) {
+Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side) {
     const PlainFloats plain;
     PLUMB_ASSERT(scene.camera.has_value());
     Prepared p;
@@ -468,44 +469,24 @@ Prepared prepare(const Scene& scene, const RenderRequest& request) {
     findUndrawn(request.transparent, p);
     Plan& plan = p.plan;
     if (!request.shadingReason.empty()) plan.choices.push_back(request.shadingReason);
+    planSteps(scene, request, side, p);
+    const bool raster = !rays && !discs && request.shading != Shading::wire && request.fill == Fill::exact;
+    if (raster && p.choices.shading != gpu::kShadingPhong) plan.dropped.push_back({"normals", "no pixel is shaded by its normal"});
     if (request.shading == Shading::wire) {
-        plan.passes = {"transform", "lines"};
-        if (request.wire == WireView::solid) {
-            plan.passes = {"transform", "cull", "setup", "clip", "bin", "fill", "lines"};
+        if (request.wire == WireView::solid)
             plan.choices.push_back("wire: hidden lines are removed by the filled picture's depth and faces, polygon by polygon");
-        }
         if (request.wire == WireView::culled) plan.choices.push_back("wire: edges of polygons that face the viewer");
         if (request.wirePerPolygon) plan.choices.push_back("edges: as often as polygons have them");
     } else if (rays) {
-        plan.passes = {"trace"};
         planRays(request, plan);
-        if (request.rays.sampling == RayChoices::Sampling::corners || request.rays.sampling == RayChoices::Sampling::adaptive) plan.passes.push_back("resolve");
     } else if (discs) {
-        plan.passes = {"spheres"};
         plan.choices.push_back(fmt::format("fill notes: spheres pixel by pixel in parallel projection, z {}", scene.wholeSphereHeights ? "rounded to whole numbers" : "not rounded"));
     } else if (request.fill == Fill::notes) {
-        plan.passes = {"project", "scanline", "scanpaint"};
-        if (p.choices.shading == gpu::kShadingFlat || p.choices.shading == gpu::kShadingGouraud) plan.passes.insert(plan.passes.begin() + 1, "illuminate");
-        if (p.choices.shading == gpu::kShadingPhong) plan.passes.push_back("illuminate");
         plan.choices.push_back("fill notes: corners on whole pixels, both ends of a line painted, what is carried interpolated along edges and lines");
-    } else {
-        plan.passes = {"transform", "cull", "setup", "clip", "bin", "fill"};
-        if (p.choices.shading == gpu::kShadingFlat || p.choices.shading == gpu::kShadingGouraud)
-            plan.passes.insert(plan.passes.begin() + 1, "illuminate");
-        plan.passes.push_back("shade");
-        if (p.choices.shading != gpu::kShadingPhong)
-            plan.dropped.push_back({"normals", "no pixel is shaded by its normal"});
     }
-    if (p.side > 1) {
-        plan.passes.push_back("resolve");
+    if (p.side > 1)
         plan.choices.push_back(fmt::format("{} samples a pixel: the frame is drawn at {}x{} and resolved in linear light", request.samples,
                                            uint32_t(width), uint32_t(height)));
-    }
-    plan.passes.push_back("encode");
-    if (list.triangles.empty() && !rays && !discs) {
-        plan.dropped.push_back({"every pass", "nothing to draw"});
-        plan.passes = {"encode"};
-    }
     if (request.distantViewer) plan.choices.push_back("viewer: distant, one vector toward it for every point");
     if (trade.specular == Trade::Specular::schlick) plan.choices.push_back("specular: Schlick's quotient in place of the power");
     if (trade.vectors == Trade::Vectors::scene) plan.choices.push_back("light-vector: one direction to the eye and to each light for the whole scene");
@@ -559,7 +540,7 @@ std::string leftToRays(const Scene& scene, const RenderRequest& request) {
     return drawsSpheres(scene, request) ? raysAskedByMaterials(scene) : raysAskedBy(scene);
 }
 
-Plan planRender(const Scene& scene, const RenderRequest& request) { return prepare(scene, request).plan; }
+Plan planRender(const Scene& scene, const RenderRequest& request, RunsOn side) { return prepare(scene, request, side).plan; }
 
 PlaneWriter::PlaneWriter(const Prepared& prepared, uint32_t planes, Frame& frame)
     : prepared_(prepared), planes_(planes), frame_(frame) {

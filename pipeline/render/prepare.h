@@ -26,8 +26,8 @@ struct Prepared {
     RenderCounters counters;      // objects, vertices, triangles
 };
 
-// Throws Error(input) for what no pass can draw (a frame or a scene beyond the stated limits).
-Prepared prepare(const Scene& scene, const RenderRequest& request);
+// Throws Error(input) for what no pass can draw (a frame or a scene beyond the stated limits). Only the plan's steps depend on the side.
+Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side = RunsOn::device);
 
 // Depth, distance, object and primitive planes from z and triangle; the same host code for device and twin.
 // `pixel` indexes the frame; z, triangle and normal are of the sample that stands for the pixel (side / 2, side / 2).

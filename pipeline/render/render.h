@@ -6,6 +6,7 @@
 #include "host/recorder.h"
 #include "pipeline/passes/numbers.h"
 #include "pipeline/render/frame.h"
+#include "pipeline/render/plan.h"
 #include "pipeline/scene/scene.h"
 
 #include <cstdint>
@@ -78,14 +79,6 @@ struct RenderRequest {
     bool keepEverything = false;          // drop nothing that a plan would drop (tests of the drops)
 };
 
-// What runs and what was dropped, decided before anything runs.
-struct Plan {
-    struct Drop { std::string what, why; };
-    std::vector<std::string> passes;      // in order
-    std::vector<Drop> dropped;
-    std::vector<std::string> choices;     // e.g. "samples 4: the frame is drawn at 1280x960 and resolved"
-};
-
 struct RenderCounters {
     uint64_t objects = 0, objectsDrawn = 0, vertices = 0, triangles = 0;
     uint64_t culledBackFace = 0, culledZeroArea = 0, culledOutside = 0, clipped = 0, drawnTriangles = 0;
@@ -116,7 +109,8 @@ std::string raysAskedBy(const Scene&);
 // What of that a picture by `request` leaves out: nothing by rays, and spheres that --fill notes draws are not left out. Empty: nothing.
 std::string leftToRays(const Scene&, const RenderRequest&);
 
-Plan planRender(const Scene&, const RenderRequest&);
+// The plan of the picture on that side, without drawing it.
+Plan planRender(const Scene&, const RenderRequest&, RunsOn side);
 RenderResult renderCpu(const Scene&, const RenderRequest&);             // the twin
 RenderResult renderGpu(Device&, const Scene&, const RenderRequest&);
 

@@ -40,7 +40,7 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
     const PlainFloats plain;
     const Stopwatch total(nullptr, "");
     const uint32_t threads = threadCount(request.threads);
-    Prepared p = prepare(scene, request);
+    Prepared p = prepare(scene, request, RunsOn::twin);
     RenderResult result;
     result.plan = p.plan;
     result.counters = p.counters;
@@ -49,21 +49,30 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
     const uint32_t side = p.side;
     if (request.shading == Shading::ray) {
         traceFrameCpu(p, scene, request, result);
+        result.plan.close(result.times);
         result.totalMs = total.elapsedMs();
         return result;
     }
     if (request.shading == Shading::wire) {
         drawWireCpu(scene, p, request, result);
+        result.plan.close(result.times);
         result.totalMs = total.elapsedMs();
         return result;
     }
     if (drawsSpheres(scene, request)) {
         drawSpheresCpu(scene, p, request, result);
+        result.plan.close(result.times);
         result.totalMs = total.elapsedMs();
         return result;
     }
     if (request.fill == Fill::notes) {
         drawNotesCpu(scene, p, request, result);
+        result.plan.close(result.times);
+        result.totalMs = total.elapsedMs();
+        return result;
+    }
+    if (list.triangles.empty()) {  // the picture is the background, which the writer has put there
+        result.counters.bands = result.counters.chunks = 1;
         result.totalMs = total.elapsedMs();
         return result;
     }
@@ -140,6 +149,7 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
     if (p.choices.shading == gpu::kShadingGouraud) result.counters.illuminations = list.positions.size();
     if (p.choices.shading == gpu::kShadingUnlit) result.counters.illuminations = 0;
     result.counters.chunks = 1;
+    result.plan.close(result.times);
     result.totalMs = total.elapsedMs();
     return result;
 }

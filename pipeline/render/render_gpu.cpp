@@ -20,6 +20,7 @@ RenderResult renderGpu(Device& device, const Scene& scene, const RenderRequest& 
     if (rays) traceFrameGpu(device, p, scene, request, result);
     else if (drawsSpheres(scene, request)) drawSpheresGpu(device, scene, p, request, result);
     else drawNotesGpu(device, scene, p, request, result);
+    result.plan.close(result.times);
     result.totalMs = total.elapsedMs();
     return result;
 }

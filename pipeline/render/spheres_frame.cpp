@@ -64,6 +64,7 @@ SphereLight lightOf(const Scene& scene, const Prepared& p) {
 
 void write(const Scene& scene, const Prepared& p, const RenderRequest& request, const Listed& listed,
            const SphereCanvas& canvas, RenderResult& result) {
+    const Stopwatch watch(&result.times, "encode");
     Frame& out = result.frame;
     const PlaneWriter restarted(p, request.planes, out);  // every plane as if nothing were drawn
     const uint32_t width = p.width;
@@ -109,10 +110,11 @@ void drawSpheresGpu(Device& device, const Scene& scene, const Prepared& prepared
                     RenderResult& result) {
     const Listed listed = listOf(scene, prepared, request);
     Recorder recorder(device);
+    recorder.allow(prepared.plan.labels(RunsOn::device));
     const SphereCanvas canvas =
         spheresGpu(device, recorder, listed.list, lightOf(scene, prepared), {}, request.watchdogMs);
-    write(scene, prepared, request, listed, canvas, result);
     result.times = recorder.takeTimes();
+    write(scene, prepared, request, listed, canvas, result);
 }
 
 }  // namespace plumb

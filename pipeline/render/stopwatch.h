@@ -9,20 +9,23 @@
 
 namespace plumb {
 
+// Adds `ms` to the entry of that pass, or a new one.
+inline void addTime(std::vector<PassTime>& times, const char* pass, double ms) {
+    for (PassTime& t : times)
+        if (t.pass == pass) {
+            t.ms += ms;
+            ++t.dispatches;
+            return;
+        }
+    times.push_back({pass, ms, 1});
+}
+
 class Stopwatch {
 public:
     Stopwatch(std::vector<PassTime>* times, const char* pass) : times_(times), pass_(pass) {}
     Stopwatch(const Stopwatch&) = delete;
     ~Stopwatch() {
-        if (!times_) return;
-        const double ms = elapsedMs();
-        for (PassTime& t : *times_)
-            if (t.pass == pass_) {
-                t.ms += ms;
-                ++t.dispatches;
-                return;
-            }
-        times_->push_back({pass_, ms, 1});
+        if (times_) addTime(*times_, pass_, elapsedMs());
     }
     double elapsedMs() const {
         return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();

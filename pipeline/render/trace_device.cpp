@@ -47,6 +47,7 @@ public:
           recorder_(device),
           planes_(p, scene, request, grid_, result.frame),
           counters_(gpu::kCounters) {
+        recorder_.allow(p.plan.labels(RunsOn::device));
         const uint64_t steps = stepsOfRay(traced_);
         if (steps > kLoopLimit)
             throw inputError(

@@ -63,6 +63,10 @@ std::vector<glm::uvec2> surfacesOf(const Scene& scene, const Prepared& p, const 
     }
     result.counters = seen.counters;
     result.times = seen.times;
+    for (const PlanStep& step : seen.plan.steps)
+        if (!step.ran) result.plan.skip(step.name, step.idle);
+    if (seen.plan.steps.empty())
+        for (const PlanStep& step : result.plan.steps) result.plan.skip(step.name, "nothing to draw");
     return surfaces;
 }
 
@@ -73,6 +77,7 @@ void checkSize(const Prepared& p) {
 
 // Owner -> diffuse colour of the edge's material; samples are resolved in linear light.
 void finishWire(const Prepared& p, const RenderRequest& request, std::span<const uint32_t> owners, RenderResult& result) {
+    const Stopwatch watch(&result.times, p.side > 1 ? "resolve" : "encode");
     Frame& out = result.frame;
     out.width = p.width;
     out.height = p.height;
@@ -126,6 +131,8 @@ void drawWireGpu(Device& device, const Scene& scene, const Prepared& p, const Re
         surfacesOf(scene, p, request, result, [&device](const Scene& s, const RenderRequest& r) { return renderGpu(device, s, r); });
     const DeviceLimits& limits = device.limits();
     Recorder recorder(device);
+    recorder.allow(p.plan.labels(RunsOn::device));
+    if (p.list.edges.empty()) result.plan.skip("lines", "no edge is in the view");
     const uint64_t pitch = uint64_t(p.list.frame.width);
     std::vector<uint32_t> all(size_t(pitch) * size_t(p.list.frame.height), gpu::kNoEdge);
     Buffer<gpu::ObjectRecord> objects(device, std::max<size_t>(1, p.list.objects.size()), "objects");

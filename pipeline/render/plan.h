@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// The steps that draw a picture, decided before anything runs, and what became of each. A step has one name, from the plan to the label of its
+// dispatches, its time and its JSON. Recorders refuse labels that are no step of the plan, and close() refuses a plan that was not walked.
+#pragma once
+
+#include "host/recorder.h"
+
+#include <string>
+#include <vector>
+
+namespace plumb {
+
+enum class RunsOn { device, twin, host };  // the twin is the processor's form of a pass; host code is the same for both sides
+const char* nameOf(RunsOn side);
+
+struct PlanStep {
+    std::string name;         // of the pass
+    RunsOn side = RunsOn::device;
+    std::string why;          // it is part of this picture
+    std::string fusedIn = {}; // the step whose kernel or function does this one's work too; empty: it runs by itself
+    std::string idle = {};    // after drawing: why it had nothing to do; empty where it did something
+    bool ran = false;         // after drawing
+};
+
+struct Plan {
+    struct Drop { std::string what, why; };
+    std::vector<PlanStep> steps;              // in order; their names differ
+    std::vector<Drop> dropped;            // what a picture of this kind has and this one does not need
+    std::vector<std::string> choices;     // e.g. "samples 4: the frame is drawn at 1280x960 and resolved"
+
+    std::vector<std::string> names() const;
+    // Appends `step`, or does nothing where a step of its name is there.
+    void add(PlanStep step);
+    // Names of the steps that run by themselves on `side`: the labels that a recorder of this plan may use.
+    std::vector<std::string> labels(RunsOn side) const;
+    // States that the step has nothing to do here. What is no step is not stated; a step that runs elsewhere in the same picture has run.
+    void skip(const std::string& name, const std::string& why);
+    // After drawing: marks what ran by the labels of `times`. Throws Error(failed), one sentence, where something ran that is no step of the plan,
+    // or a step neither ran nor stated that it had nothing to do.
+    void close(const std::vector<PassTime>& times);
+};
+
+}  // namespace plumb
