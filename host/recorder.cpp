@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <fmt/ranges.h>
 #include <optional>
 #include <map>
 #include <memory>

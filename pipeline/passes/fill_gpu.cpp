@@ -7,6 +7,7 @@
 #include <spirv/fill_shuffle.h>
 #include <spirv/fill_vectors.h>
 #include <spirv/fill_vectors_shuffle.h>
+#include <vector>
 
 namespace plumb {
 

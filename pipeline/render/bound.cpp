@@ -279,12 +279,35 @@ void takeMoves(const Scene& scene, const RenderRequest& request, const Frame* sh
     else bound = notProved(kLampTouches);
 }
 
+// The spheres of --fill notes: the device's power at the lamp's least distance from each, and two float32 evaluations of one sum of terms.
+void takeSpheres(const Scene& scene, ColourBound& bound) {
+    for (const SphereShape& sphere : scene.spheres) {
+        const Material& m = scene.materials[sphere.material];
+        dvec3 all = dvec3(m.ambient) * dvec3(scene.ambient) + dvec3(m.emission), move(0);
+        for (const Light& light : scene.lights) {
+            const double from = glm::length(sphere.centre - light.position);
+            const double nearest = std::max(0.0, std::abs(from - sphere.radius) - std::ldexp(from + sphere.radius, -20));
+            const dvec3 reaches = dvec3(light.intensity) * fadeAt(light, light.directional ? kInfinity : nearest);
+            all += reaches * (dvec3(m.diffuse) + dvec3(m.specular));
+            move += reaches * dvec3(m.specular) * double(gpu::nativePowerBound(m.shininess));
+        }
+        move += all * std::ldexp(16.0 * double(scene.lights.size() + 2), -24);
+        bound.linear = glm::max(bound.linear, move);
+        bound.darker = glm::max(bound.darker, move);
+    }
+    if (!isFinite(bound.linear)) bound = notProved(kLampTouches);
+}
+
 }  // namespace
 
 ColourBound boundOfNative(const Scene& scene, const RenderRequest& request, const Frame* shown) {
     ColourBound bound;
     if (request.trade.nativeEncode && request.encoding == Encoding::srgb) bound.steps = 1;
     if (request.trade.specular != Trade::Specular::native || !isLit(request)) return bound;
+    if (drawsSpheres(scene, request)) {
+        takeSpheres(scene, bound);
+        return bound;
+    }
     RenderRequest alone = request;
     alone.trade.unitNormals = true;
     takeMoves(scene, alone, shown, bound);

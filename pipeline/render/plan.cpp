@@ -63,7 +63,7 @@ void Plan::close(const std::vector<PassTime>& times) {
             const auto host = find(steps, step.fusedIn);
             if (host == steps.end()) throw renderError(fmt::format("plan: '{}' is fused in '{}', which is no step", step.name, step.fusedIn));
             step.ran = host->ran;
-            if (!step.ran) step.idle = host->idle;
+            step.idle = host->idle;
         }
         if (!step.ran && step.idle.empty()) throw renderError(fmt::format("plan: the step '{}' neither ran nor had nothing to do", step.name));
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/plan_steps.h"
 
+#include <cstdint>
+
 namespace plumb {
 
 namespace {

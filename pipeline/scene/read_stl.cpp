@@ -69,7 +69,7 @@ void readBinary(const std::string& bytes, const std::filesystem::path& path, con
     }
     if (attributes) {
         if (options.strict) throw inputError(placeOfByte(path, kHeaderBytes + 48), "STL facet attributes would be ignored (--strict)");
-        mesh.ignored.push_back("STL facet attributes");
+        mesh.ignored.emplace_back("STL facet attributes");
     }
 }
 

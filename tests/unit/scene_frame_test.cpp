@@ -30,7 +30,8 @@ constexpr double kPi = 3.14159265358979323846;
 std::vector<fs::path> committedMeshes() {
     std::vector<fs::path> out;
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(PLUMB_SOURCE_DIR) / "scenes"))
-        if (entry.is_regular_file() && isBareMesh(entry.path()) && !entry.path().extension().string().starts_with(".gl")) out.push_back(entry.path());
+        if (const std::string extension = entry.path().extension().string(); extension == ".obj" || extension == ".ply" || extension == ".stl" || extension == ".off")
+            out.push_back(entry.path());
     std::sort(out.begin(), out.end());
     return out;
 }

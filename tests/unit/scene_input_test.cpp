@@ -213,7 +213,7 @@ TEST(Progress, IsToldOfEveryFormatAndMayEndTheLoadAnywhere) {
             stages.insert(told[i].second);
             EXPECT_GE(told[i].first, 0) << name;
             EXPECT_LE(told[i].first, 1) << name;
-            if (i > 0 && told[i].second == told[i - 1].second) EXPECT_GE(told[i].first, told[i - 1].first) << name << " step " << i;
+            if (i > 0 && told[i].second == told[i - 1].second) { EXPECT_GE(told[i].first, told[i - 1].first) << name << " step " << i; }
         }
         EXPECT_EQ(stages, (std::set<std::string>{"finish", "parse", "read"})) << name;
         for (size_t end = 0; end < told.size(); end += std::max<size_t>(1, told.size() / 20)) {

@@ -15,8 +15,8 @@ target_link_libraries(plumbline PUBLIC glm::glm Threads::Threads PRIVATE fmt::fm
 target_include_directories(plumbline INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 
 # Public headers keep their rooms below include/plumbline/, and name each other from there.
-set(headers host/device.h host/error.h host/buffer.h host/module.h host/program.h host/recorder.h pipeline/transform/step.h pipeline/scene/scene.h pipeline/scene/mesh.h
-    pipeline/scene/load.h pipeline/scene/sha256.h pipeline/passes/numbers.h pipeline/render/frame.h pipeline/render/render.h pipeline/image/image.h)
+set(headers host/device.h host/error.h host/buffer.h host/module.h host/program.h host/recorder.h pipeline/transform/step.h pipeline/scene/scene.h pipeline/scene/mesh.h pipeline/scene/positions.h
+    pipeline/scene/load.h pipeline/scene/sha256.h pipeline/passes/numbers.h pipeline/render/frame.h pipeline/render/plan.h pipeline/render/render.h pipeline/image/image.h)
 set(staged ${CMAKE_BINARY_DIR}/generated/include/plumbline)
 set(outputs "")
 foreach(header ${headers} pipeline/plumbline.hpp)
