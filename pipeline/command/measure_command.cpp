@@ -371,10 +371,12 @@ Exit measureCommand(const Options& options) {
     }
     plan.base.request.onProgress = [](double) { return interruptedBy() == 0; };
     plan.base.twin = !plan.deviceThere;
-    plan.draw = [&renderer](const Scene& drawn, const Setting& setting) {
+    plan.draw = [&renderer, &options, first = true](const Scene& drawn, const Setting& setting) mutable {
         stopIfInterrupted();
         // No fallback here: a time of something else would be a lie.
-        return setting.twin ? renderCpu(drawn, setting.request) : renderGpu(*renderer.device(), drawn, setting.request);
+        RenderResult result = setting.twin ? renderCpu(drawn, setting.request) : renderGpu(*renderer.device(), drawn, setting.request);
+        if (std::exchange(first, false) && result.frame.coveredPixels == 0) say(options, nothingSeen(result.counters));
+        return result;
     };
     progress.begin("measure");
     plan.onProgress = [&progress](double fraction) {

@@ -169,6 +169,10 @@ class Rendering(Command):
         self.assertEqual([(r["choice"], r["absent"]) for r in rows], [("default again", False), ("fp32", False), ("fp64", True), ("block-integer", False)])
         self.assertIn("shaderFloat64", rows[2]["why"])
 
+    def test_measure_warns_of_a_picture_that_shows_nothing(self):
+        done = self.expect(0, "measure", "cube.obj", "--size", "16x16", "--eye", "0,0,9", "--at", "0,0,99", "--axis", "encode", "--repetitions", "1")
+        self.assertEqual(done.stderr.count(b"nothing is seen"), 1, done.stderr)
+
     def test_turntable_needs_a_placeholder_and_makes_an_array(self):
         self.twin(2, "render", "cube.obj", "--turntable", "3", "-o", "spin.png", says="{n}")
         self.assertEqual(self.files(), ["cube.obj"])
