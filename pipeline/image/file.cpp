@@ -73,9 +73,9 @@ bool writeAll(int fd, std::span<const std::byte> bytes) {
 // Temporary files with a name, as paths that a signal handler may unlink. A slot is taken, filled, and then shown.
 struct NameSlot {
     std::atomic<bool> taken{false}, shown{false};
-    char path[4096];
+    char path[4096] = {};
 };
-std::array<NameSlot, kMostFiles + 1> temporaryNames;
+constinit std::array<NameSlot, kMostFiles + 1> temporaryNames{};  // all zero: no page of it is touched before it is used
 
 NameSlot* showName(const fs::path& path) {
     for (NameSlot& slot : temporaryNames) {
