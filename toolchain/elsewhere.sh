@@ -93,7 +93,7 @@ within() {
     exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 PLUMB_JOBS="$3" ${http_proxy:+http_proxy="$http_proxy"} \
       ${https_proxy:+https_proxy="$https_proxy"} ${no_proxy:+no_proxy="$no_proxy"} bash -c "set -euo pipefail; cd /root/plumbline; $2"' within "$root" "$1" "$plumb_jobs" 9>&-
 }
-versions='printf "%s; " "$(. /etc/os-release; printf %s "$PRETTY_NAME")" "$(c++ --version | head -n 1)" "$(glslangValidator --version | sed -n "s/^Glslang Version: /glslang /p")" "$(spirv-opt --version | head -n 1)"'
+versions='printf "%s; " "$(. /etc/os-release; printf %s "$PRETTY_NAME")" "$(c++ --version | head -n 1)" "$(glslangValidator --version | sed -n "s/^Glslang Version: /glslang /p")" "$(spirv-opt --version 2>&1 | grep -m 1 SPIRV-Tools)"'
 
 plumb_say "installing and building in $root"
 within '. toolchain/setup.sh; plumb_install demo' 2>"$cache/install.log" || stop 4 "installing failed: $(tail -n 1 "$cache/install.log")"
