@@ -186,7 +186,7 @@ namespace {
 
 constexpr uint32_t kNoFamily = ~0u;
 
-// A family with compute; one without graphics last, so that a single-queue device and a GPU are served alike.
+// The first family with compute, or the first of them with time stamps.
 uint32_t computeFamily(const std::vector<VkQueueFamilyProperties>& families) {
     uint32_t best = kNoFamily;
     for (uint32_t i = 0; i < families.size(); ++i)

@@ -47,7 +47,7 @@ public:
     void bin();
     // Fill, shade, encode. `choices` as the plan says with planes, prior and colour set.
     void fill(FillChoices choices);
-    // The chunk is drawn again with normals as its carried values (normal plane of other shadings).
+    // The samples of each pixel become one colour, in linear light, and are encoded.
     void resolve(uint32_t encoding, bool transparent, bool linearOut);
 
     // Largest chunk and band that fit ranges, texel counts and the memory budget.

@@ -415,7 +415,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side) 
     p.rayY = list.rayY;
     const Trade& trade = request.trade;
     list.viewport.droppedBits = trade.subpixelBits == 4 ? 4 : 0;
-    // Rays have no transform, and the lines of the notes whole pixels; a wire frame is lines too, unless hidden ones are removed.
+    // Rays have no transform, and --fill notes projects on the host.
     if (request.shading != Shading::ray && request.fill == Fill::exact) list.numbers = trade.numbers;
     p.choices.affine = trade.affine;
     p.choices.depthBits = trade.depthBits;

@@ -15,7 +15,7 @@
 
 namespace plumb {
 
-// Smaller meshes would be lost among what the transform snaps to zero (accuracy.md C.1, row 1).
+// Smaller meshes would be lost among what the transform snaps to zero.
 static constexpr double kLeastExtent = 0x1p-100;
 
 static uint32_t append(Scene& scene, TriangleMesh mesh, const std::string& place) {

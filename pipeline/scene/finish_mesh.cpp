@@ -29,7 +29,7 @@ constexpr uint32_t kMaxConcaveCorners = 8192;
 // each of n cross products has an error of at most 4 * 2^-53 * L^2, L the longest distance from the first corner.
 constexpr double kZeroAreaPerCorner = 0x1p-51;
 
-// A mean normal whose condition number sum |w| / |sum w n| is above this has lost 10 bits; accuracy.md B.7.
+// A mean normal whose condition number sum |w| / |sum w n| is above this has lost 10 bits.
 constexpr double kMaxNormalCondition = 1024;
 
 // A file's normal this far from its face (cosine) is opposite: the face would be lit from behind. Means over a smooth

@@ -18,7 +18,7 @@ namespace plumb {
 inline constexpr uint64_t kMaxFileBytes = uint64_t(4) << 30;
 
 // Largest coordinate or matrix entry: 2^100 (about 1.27e30). Products of three stay finite after the divisions of the
-// transform, which is what accuracy.md B.3 asks of the host.
+// transform.
 inline constexpr float kMaxCoordinate = 0x1p100f;
 
 // Untrusted text made safe for a terminal: control characters and bytes that are not UTF-8 as \xNN, at most

@@ -77,8 +77,9 @@ private:
         uint32_t index = 0;
         Real t = 0;
         double error = 0;  // of t
-        bool counts = false, sure = true,
-             leaves = false;  // as far as the value goes; whether the bound leaves nothing open; out of a sphere
+        bool counts = false;  // a hit, by the computed value
+        bool sure = true;     // the error bound cannot change that
+        bool leaves = false;  // the ray runs with the outward normal
         bool other = false;   // a board's other material
         Real share[3] = {};   // facet: of the corners
         double shareError = 0;
@@ -192,7 +193,8 @@ private:
         return h;
     }
 
-    // The notes' board: the other colour where u < 0; each of |u|, |v| beyond an even number of squares flips it.
+    // True where the board has its other material. The square at the origin with u, v >= 0 has the first, and neighbours alternate. `mirrored`: the
+    // pattern is mirrored at v = 0, as the notes' is.
     bool otherSquare(const PlaneShape& p, const Real& u, const Real& v, double error, bool& sure) const {
         const bool matters = p.material != p.otherMaterial;
         const auto odd = [&](const Real& x, bool mirrored) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Correctly rounded (nearest even) division and square root, from any seed that is a few ULP off.
-// Vulkan allows 2.5 ULP for `/` and about 4.5 for sqrt; the seed may be off by 7 ULP of the true result (accuracy.md B.1).
+// Vulkan allows 2.5 ULP for `/` and about 4.5 for sqrt; the seed may be off by 7 ULP of the true result (docs/accuracy.md, The exact subset).
 // Which form a device runs is a specialization constant; the recorder sets it from the start-up self-test.
 // `nativeDivide` and `nativeRoot` are the only two functions of all modules in which `/` on floats and sqrt may stand.
 //
@@ -104,7 +104,7 @@ SHARED_FN float exactRoot(float a) {
 }
 
 // |x| < 2^-103 becomes +0, whatever the driver made of a subnormal product. Sums of snapped values need no snap:
-// they are multiples of 2^-126, so 0 or normal (accuracy.md B.0).
+// they are multiples of 2^-126, so 0 or normal (docs/accuracy.md, The exact subset).
 SHARED_FN float snapTiny(float x) {
     int bits = bitsOf(x);
     return realOf(pick((bits & 0x7fffffff) < 0x0c000000, 0, bits));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contract of the fill pass: which triangle owns each pixel, and at what depth (docs/accuracy.md, depth).
+// Contract of the fill pass: which triangle owns each pixel, and at what depth (docs/illumination.md, Polygons without rays).
 // With edge values E_i exact integers (fixed_point.h), e_i = floor((E_i - bias_i) / 256) is an integer plane over the pixels
 // and rho_i = ((E_i - bias_i) & 255) + bias_i a constant of the triangle: E_i / 256 = e_i + rho_i / 256 exactly.
 // A pixel is covered when all e_i >= 0. Depth and attributes use e_i rounded once to float32.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The screen grid and exact integer geometry on it (docs/accuracy.md, coverage). Pixel (x, y) is sampled at its
+// The screen grid and exact integer geometry on it (docs/illumination.md, Polygons without rays). Pixel (x, y) is sampled at its
 // centre (256 x + 128, 256 y + 128) in sub-pixels, y down. A triangle that faces the viewer runs counter-clockwise as
 // seen, and then every edge value below is positive inside.
 #ifndef PLUMB_FIXED_POINT_H

@@ -165,7 +165,7 @@ struct PlaneHit {
 SHARED_FN PlaneHit hitPlane(vec3 o, vec3 d, vec4 plane, vec4 u, vec4 v, vec4 bounds, bool twoSided, uint start) {
     vec3 n = vec3(plane.x, plane.y, plane.z);
     float slope = dot3(n, d);
-    // Error of n.d: 3 u of sum |n_i d_i| (accuracy.md B.9); 2^-40: the direction itself is not known better.
+    // Error of n.d: 3 u of sum |n_i d_i| (docs/accuracy.md, Rays); 2^-40: the direction itself is not known better.
     float reach = dot3(magnitudes(n), magnitudes(d));
     bool decided = abs(slope) > 2.384185791015625e-7f * reach + 9.094947017729282e-13f;
     // no plant: the quotient of an undecided slope is not used

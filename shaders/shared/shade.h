@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contract of the shade pass: Phong's illumination in linear RGB (docs/accuracy.md, shading).
+// Contract of the shade pass: Phong's illumination in linear RGB (docs/illumination.md, A point).
 //   colour = base + sum over lights of I * attenuation * (Kd max(N.L, 0) + Ks (R.V)^n [N.L > 0]),  base = Ka Ia + Ke.
 // Only float32 + - *, integer operations on bits and selections: the same bytes on every device that rounds correctly.
 // Attenuation weighs diffuse and specular alike. Lights are added in their order.

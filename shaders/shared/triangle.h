@@ -66,7 +66,7 @@ SHARED_FN float exitOfBox(RayFrame f, vec3 low, vec3 high) {
     vec3 farther = greater3(a, b);
     return lesser(lesser(farther.x, farther.y), farther.z) * 1.00000048f;
 }
-// Behind the origin, missed, or entered beyond what is hit already.
+// True when the ray may hit something in the box: it meets the box, not behind the origin and not beyond the nearest hit.
 SHARED_FN bool opens(float entry, float leave, float nearest) { return entry <= leave && leave >= 0.0f && entry <= nearest; }
 
 // Rays of one origin: least and most of their inverse directions. A product is monotone in each factor, rounded too, so the products with both
