@@ -29,7 +29,7 @@ MUTANTS = [
     ("no board is mirrored to the twin's rays", "pipeline/passes/trace_cpu.cpp", None,
      "gpu::otherSquare(hit.u, hit.v, p.square, p.mirrored)", "gpu::otherSquare(hit.u, hit.v, p.square, false)"),
     ("both sides light mirrored objects from behind: the truth knows", "pipeline/render/prepare.cpp", None,
-     "* (determinant < 0 ? -1 : 1)", "* 1"),
+     "* (mirrored ? -1 : 1)", "* 1"),
 ]
 
 
