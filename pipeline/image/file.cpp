@@ -181,9 +181,9 @@ struct FileBatch::Staged {
 
     bool open(mode_t mode) {
         // A nameless file is linked through /proc.
-        static const bool mayBeNameless = ::access("/proc/self/fd", X_OK) == 0;
-        if (mayBeNameless) fd = retried([&] { return ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, mode); });
-        if (fd >= 0 || (mayBeNameless && (errno == EMFILE || errno == ENFILE))) return fd >= 0;
+        static const bool kMayBeNameless = ::access("/proc/self/fd", X_OK) == 0;
+        if (kMayBeNameless) fd = retried([&] { return ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, mode); });
+        if (fd >= 0 || (kMayBeNameless && (errno == EMFILE || errno == ENFILE))) return fd >= 0;
         fd = named([&](const fs::path& path) { return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); });
         return fd >= 0;
     }
@@ -255,8 +255,8 @@ void FileBatch::undo() noexcept {
 }
 
 bool FileBatch::due() const {
-    static const size_t most = mostFiles();
-    return staged_.size() >= most || bytes_ >= kMostBytes || (!staged_.empty() && std::chrono::steady_clock::now() - first_ >= kMostWait);
+    static const size_t kMost = mostFiles();
+    return staged_.size() >= kMost || bytes_ >= kMostBytes || (!staged_.empty() && std::chrono::steady_clock::now() - first_ >= kMostWait);
 }
 
 void FileBatch::add(const fs::path& path, std::span<const std::byte> bytes, bool noClobber) {

@@ -95,8 +95,8 @@ __attribute__((target("sha,ssse3,sse4.1"))) void addBlocksByInstructions(State& 
 
 bool processorHasSha256() {
 #if defined(__x86_64__)
-    static const bool has = askProcessor();
-    return has;
+    static const bool kHas = askProcessor();
+    return kHas;
 #else
     return false;
 #endif
