@@ -334,18 +334,19 @@ std::string keyOf(const Module& module, const Specialization& constants) {
 }
 
 
-// True for the constants that the self-test decides where a recorder does not give them.
-bool isOfTheSelfTest(const std::string& constant) { return constant == "kNativeDivide" || constant == "kNativeRoot"; }
-
-// The values given, by the numbers of the module's constants, each of which must be given once.
-ConstantsById constantsById(const Module& module, const ModuleReader& reader, Specialization given) {
+// The values given, by the numbers of the module's constants, each of which must be given; kNativeDivide and kNativeRoot default to the self-test's.
+ConstantsById constantsById(const Module& module, const ModuleReader& reader, const SelfTest& selfTest, Specialization given) {
     ConstantsById byId;
     std::string has;
     for (const auto& [id, name] : reader.specialized()) {
         const auto found = given.find(name);
         if (found != given.end())
             byId[id] = found->second, given.erase(found);
-        else if (!isOfTheSelfTest(name))
+        else if (name == "kNativeDivide")
+            byId[id] = selfTest.nativeDivideIsExact;
+        else if (name == "kNativeRoot")
+            byId[id] = selfTest.nativeRootIsExact;
+        else
             throw renderError(fmt::format("{}: the constant {} is not given", module.name, name.empty() ? fmt::to_string(id) : name));
         has += (has.empty() ? "" : ", ") + name;
     }
@@ -381,15 +382,10 @@ void DeviceImpl::prepare(const Module& module, const Specialization& constants) 
 
 Program DeviceImpl::make(const Module& module, const Specialization& constants) const {
     ModuleReader reader(module);
-    ConstantsById all = constantsById(module, reader, constants);
+    const ConstantsById all = constantsById(module, reader, selfTest, constants);
     Program program;
     program.reflection = reader.reflection(all);
     const Reflection& r = program.reflection;
-    for (size_t i = 0; i < r.specializationIds.size(); ++i) {
-        if (r.specializationNames[i] == "kNativeDivide")
-            all.emplace(r.specializationIds[i], selfTest.nativeDivideIsExact);
-        if (r.specializationNames[i] == "kNativeRoot") all.emplace(r.specializationIds[i], selfTest.nativeRootIsExact);
-    }
 
     const uint64_t invocations = uint64_t(r.localSize[0]) * r.localSize[1] * r.localSize[2];
     if (invocations == 0 || invocations > limits.groupInvocations)

@@ -2,6 +2,7 @@
 #include "pipeline/bench/claims.h"
 
 #include "host/error.h"
+#include "pipeline/scene/camera.h"
 
 #include <cstdint>
 #include <fmt/core.h>
@@ -75,8 +76,7 @@ public:
     EdgePainter(const Scene& scene, const ClaimOptions& options)
         : width_(options.width), height_(options.height), canvas_(size_t(width_) * height_) {
         const Camera& c = *scene.camera;
-        focal_ =
-            c.focalPixels > 0 ? c.focalPixels : height_ / 2.0 / std::tan(c.fovYDegrees * 3.14159265358979323846 / 360);
+        focal_ = focalOf(c, height_);
         for (const Object& object : scene.objects) {
             const TriangleMesh& mesh = scene.meshes[object.mesh];
             const glm::dmat4 toWorld = worldFromMesh(scene, object);

@@ -2,6 +2,7 @@
 #include "pipeline/command/report.h"
 
 #include "pipeline/image/image.h"
+#include "pipeline/scene/camera.h"
 #include "pipeline/scene/input.h"
 #include "pipeline/scene/text.h"
 
@@ -174,7 +175,7 @@ Json cameraJson(const Camera& camera) {
             {"fovYDegrees", camera.fovYDegrees},
             {"focalPixels", camera.focalPixels},
             {"focusDistance", camera.focusDistance},
-            {"near", camera.near > 0 ? camera.near : std::exp2(std::floor(std::log2(camera.focusDistance)) - 10)}};
+            {"near", nearOf(camera)}};
 }
 
 Json imageJson(const Frame& frame, const FrameFacts& facts, bool blank) {

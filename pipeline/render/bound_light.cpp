@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/bound_light.h"
 
+#include "pipeline/scene/camera.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -43,8 +45,8 @@ double distanceToTriangle(const dvec3& p, const dvec3& a, const dvec3& b, const 
 
 LitPlaces::LitPlaces(const Scene& scene, const RenderRequest& request) : camera_(*scene.camera) {
     const double side = request.samples == 16 ? 4 : request.samples == 4 ? 2 : 1;
-    focal_ = side * (camera_.focalPixels > 0 ? camera_.focalPixels : request.height / (2 * std::tan(camera_.fovYDegrees * 3.14159265358979323846 / 360)));
-    near_ = camera_.near > 0 ? camera_.near : std::exp2(std::floor(std::log2(camera_.focusDistance)) - 10);
+    focal_ = focalOf(camera_, side * request.height, side);
+    near_ = nearOf(camera_);
     traced_ = request.shading == Shading::ray;
 }
 

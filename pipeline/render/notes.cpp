@@ -7,6 +7,7 @@
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/polygons.h"
 #include "pipeline/render/stopwatch.h"
+#include "pipeline/scene/camera.h"
 #include "pipeline/scene/flattened.h"
 #include "pipeline/scene/text.h"
 
@@ -82,8 +83,7 @@ public:
         // Samples are pixels of a larger canvas: its corners lie on its own grid.
         list_.width = p_.list.frame.width;
         list_.height = p_.list.frame.height;
-        focal_ = c.focalPixels > 0 ? c.focalPixels * p_.side
-                                   : double(list_.height) / 2 / std::tan(c.fovYDegrees * 3.14159265358979323846 / 360);
+        focal_ = focalOf(c, double(list_.height), p_.side);
         distance_ = c.focusDistance;
         near_ = double(p_.near);
         unit_ = double(p_.list.viewport.near) / near_;  // the passes' length of a scene unit, a power of two

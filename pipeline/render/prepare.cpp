@@ -4,6 +4,7 @@
 #include "pipeline/passes/long_rows.h"
 #include "pipeline/render/plan_steps.h"
 #include "pipeline/render/polygons.h"
+#include "pipeline/scene/camera.h"
 #include "pipeline/scene/flattened.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/ray_shares.h"
@@ -42,9 +43,8 @@ Pinhole pinholeOf(const Camera& camera, double width, double height, double side
     Pinhole v;
     v.width = width;
     v.height = height;
-    v.focal = camera.focalPixels > 0 ? camera.focalPixels * side
-                                     : height / 2 / std::tan(camera.fovYDegrees * 3.14159265358979323846 / 360);
-    v.near = camera.near > 0 ? camera.near : std::exp2(std::floor(std::log2(camera.focusDistance)) - 10);
+    v.focal = focalOf(camera, height, side);
+    v.near = nearOf(camera);
     v.unit = std::ldexp(1.0, -std::ilogb(v.near));
     v.right = camera.right;
     v.down = -camera.up;

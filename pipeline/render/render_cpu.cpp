@@ -34,48 +34,10 @@ void countGeometry(const TwinGeometry& g, RenderCounters& c) {
     for (uint32_t kind : g.clipKinds) c.drawnTriangles += kind >> 1;
 }
 
-}  // namespace
-
-RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
-    const PlainFloats plain;
-    const Stopwatch total(nullptr, "");
+void drawRaster(const Prepared& p, const RenderRequest& request, PlaneWriter& writer, RenderResult& result) {
     const uint32_t threads = threadCount(request.threads);
-    Prepared p = prepare(scene, request, RunsOn::twin);
-    RenderResult result;
-    result.plan = p.plan;
-    result.counters = p.counters;
-    PlaneWriter writer(p, request.planes, result.frame);
     const DrawList& list = p.list;
     const uint32_t side = p.side;
-    if (request.shading == Shading::ray) {
-        traceFrameCpu(p, scene, request, result);
-        result.plan.close(result.times);
-        result.totalMs = total.elapsedMs();
-        return result;
-    }
-    if (request.shading == Shading::wire) {
-        drawWireCpu(scene, p, request, result);
-        result.plan.close(result.times);
-        result.totalMs = total.elapsedMs();
-        return result;
-    }
-    if (drawsSpheres(scene, request)) {
-        drawSpheresCpu(scene, p, request, result);
-        result.plan.close(result.times);
-        result.totalMs = total.elapsedMs();
-        return result;
-    }
-    if (request.fill == Fill::notes) {
-        drawNotesCpu(scene, p, request, result);
-        result.plan.close(result.times);
-        result.totalMs = total.elapsedMs();
-        return result;
-    }
-    if (list.triangles.empty()) {  // the picture is the background, which the writer has put there
-        result.counters.bands = result.counters.chunks = 1;
-        result.totalMs = total.elapsedMs();
-        return result;
-    }
     const bool wantNormal = request.planes & kPlaneNormal;
     const TwinGeometry g = twinGeometry(list, p.choices, false, threads, &result.times);
     // The normal plane of a picture that is not shaded by normals: the same vertices, carrying normals.
@@ -149,6 +111,30 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
     if (p.choices.shading == gpu::kShadingGouraud) result.counters.illuminations = list.positions.size();
     if (p.choices.shading == gpu::kShadingUnlit) result.counters.illuminations = 0;
     result.counters.chunks = 1;
+}
+
+}  // namespace
+
+RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
+    const PlainFloats plain;
+    const Stopwatch total(nullptr, "");
+    const Prepared p = prepare(scene, request, RunsOn::twin);
+    RenderResult result;
+    result.plan = p.plan;
+    result.counters = p.counters;
+    PlaneWriter writer(p, request.planes, result.frame);
+    if (request.shading == Shading::ray)
+        traceFrameCpu(p, scene, request, result);
+    else if (request.shading == Shading::wire)
+        drawWireCpu(scene, p, request, result);
+    else if (drawsSpheres(scene, request))
+        drawSpheresCpu(scene, p, request, result);
+    else if (request.fill == Fill::notes)
+        drawNotesCpu(scene, p, request, result);
+    else if (p.list.triangles.empty())  // the picture is the background, which the writer has put there
+        result.counters.bands = result.counters.chunks = 1;
+    else
+        drawRaster(p, request, writer, result);
     result.plan.close(result.times);
     result.totalMs = total.elapsedMs();
     return result;

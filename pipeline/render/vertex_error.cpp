@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/vertex_error.h"
 
+#include "pipeline/scene/camera.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/text.h"
 
@@ -21,7 +22,6 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnit = 0x1p-24, kUnit64 = 0x1p-53;  // unit round-offs
 // float32 rounds each entry of a row, three products and three sums (long_transform.h: 4.01 u, and half an ULP of each entry).
@@ -65,8 +65,8 @@ public:
         const Camera& camera = *scene.camera;
         halfX_ = request.width / 2.0;
         halfY_ = request.height / 2.0;
-        const double focal = camera.focalPixels > 0 ? camera.focalPixels : halfY_ / std::tan(camera.fovYDegrees * kPi / 360);
-        near_ = camera.near > 0 ? camera.near : std::exp2(std::floor(std::log2(camera.focusDistance)) - 10);
+        const double focal = focalOf(camera, request.height);
+        near_ = nearOf(camera);
         reach_ = glm::max(glm::abs(dvec3(mesh_.boundsMin)), glm::abs(dvec3(mesh_.boundsMax)));
         const Object& o = scene.objects[object];
         const glm::dmat4 composite = worldFromMesh(scene, o);
