@@ -5,9 +5,9 @@
 #include "host/recorder.h"
 #include "host/vulkan.h"
 
+#include <spirv/selftest_double.h>
 #include <cstdint>
 #include <optional>
-#include <spirv/selftest_double.h>
 
 #include <fmt/core.h>
 
@@ -34,8 +34,7 @@ std::vector<gpu::DoubleVector> doubleVectors() {
     // |x| in [2^lowest, 2^(lowest + exponents)).
     const auto number = [&](int lowest, uint32_t exponents) {
         const uint64_t bits = random();
-        return (bits & (uint64_t(1) << 63)) | uint64_t(1023 + lowest + int((bits >> 52) % exponents)) << 52 |
-               (random() >> 12);
+        return (bits & (uint64_t(1) << 63)) | uint64_t(1023 + lowest + int((bits >> 52) % exponents)) << 52 | (random() >> 12);
     };
     std::vector<gpu::DoubleVector> vectors(gpu::kDoubleVectors);
     for (size_t i = 0; i < vectors.size(); ++i) {
@@ -57,8 +56,7 @@ bool judgeDoubles(std::span<const gpu::DoubleVector> vectors, std::span<const gp
         const gpu::DoubleAnswer& got = answers[i];
         const double a = doubleOf(v.aLow, v.aHigh), b = doubleOf(v.bLow, v.bHigh), product = a * double(v.x);
         const bool all = same(a + b, got.sumLow, got.sumHigh) && same(product, got.productLow, got.productHigh) &&
-                         same(product + b, got.bothLow, got.bothHigh) &&
-                         gpu::ubitsOf(float(a)) == gpu::ubitsOf(got.rounded);
+                         same(product + b, got.bothLow, got.bothHigh) && gpu::ubitsOf(float(a)) == gpu::ubitsOf(got.rounded);
         if (!all) return false;
     }
     return true;

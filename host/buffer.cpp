@@ -3,8 +3,8 @@
 
 #include "host/vulkan.h"
 
-#include <cstdint>
 #include <fmt/core.h>
+#include <cstdint>
 
 #include <algorithm>
 #include <fstream>
@@ -66,8 +66,8 @@ uint64_t memoryBudget(uint64_t heapBytes, uint64_t askedBytes) {
     return budget;
 }
 
-MemoryPool::MemoryPool(VkDevice device, const VolkDeviceTable& vk, const VkPhysicalDeviceMemoryProperties& types,
-                       uint64_t allocationBytes, uint64_t budgetBytes)
+MemoryPool::MemoryPool(VkDevice device, const VolkDeviceTable& vk, const VkPhysicalDeviceMemoryProperties& types, uint64_t allocationBytes,
+                       uint64_t budgetBytes)
     : device_(device), vk_(vk), types_(types), allocationBytes_(allocationBytes), budgetBytes_(budgetBytes) {}
 
 MemoryPool::~MemoryPool() { close(false); }
@@ -92,11 +92,9 @@ void MemoryPool::close(bool leak) {
 // Coherent always; cached first, because the host reads results (uncached reads are some 50 times slower).
 uint32_t MemoryPool::memoryType(uint32_t allowed, const char* name) const {
     const VkMemoryPropertyFlags wanted = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    for (const VkMemoryPropertyFlags extra :
-         {VkMemoryPropertyFlags(VK_MEMORY_PROPERTY_HOST_CACHED_BIT), VkMemoryPropertyFlags(0)})
+    for (const VkMemoryPropertyFlags extra : {VkMemoryPropertyFlags(VK_MEMORY_PROPERTY_HOST_CACHED_BIT), VkMemoryPropertyFlags(0)})
         for (uint32_t i = 0; i < types_.memoryTypeCount; ++i)
-            if ((allowed >> i & 1u) && (types_.memoryTypes[i].propertyFlags & (wanted | extra)) == (wanted | extra))
-                return i;
+            if ((allowed >> i & 1u) && (types_.memoryTypes[i].propertyFlags & (wanted | extra)) == (wanted | extra)) return i;
     throw renderError(fmt::format("{}: the device has no host-visible memory for buffers", name));
 }
 
@@ -105,18 +103,17 @@ Block* MemoryPool::take(uint64_t bytes, const char* name) {
     PLUMB_ASSERT(!closed_);
     const uint64_t rounded = (bytes + 255) & ~uint64_t(255);
     if (rounded < bytes || rounded > allocationBytes_)
-        throw renderError(fmt::format("buffer '{}': {} asked, the device allocates at most {} at once", name,
-                                      bytesText(bytes), bytesText(allocationBytes_)));
+        throw renderError(fmt::format("buffer '{}': {} asked, the device allocates at most {} at once", name, bytesText(bytes),
+                                      bytesText(allocationBytes_)));
     auto best = kept_.end();
     for (auto it = kept_.begin(); it != kept_.end(); ++it)
-        if (it->bytes >= rounded && it->bytes <= rounded + rounded / 4 + 65536 &&
-            (best == kept_.end() || it->bytes < best->bytes))
+        if (it->bytes >= rounded && it->bytes <= rounded + rounded / 4 + 65536 && (best == kept_.end() || it->bytes < best->bytes))
             best = it;
     // Kept blocks count against the budget: the least recently freed go first.
     const uint64_t extra = best != kept_.end() ? best->allocatedBytes : rounded;
     if (usedBytes_ + extra > budgetBytes_)
-        throw renderError(fmt::format("buffer '{}': {} asked, {} of the memory budget of {} are in use", name,
-                                      bytesText(bytes), bytesText(usedBytes_), bytesText(budgetBytes_)));
+        throw renderError(fmt::format("buffer '{}': {} asked, {} of the memory budget of {} are in use", name, bytesText(bytes),
+                                      bytesText(usedBytes_), bytesText(budgetBytes_)));
     if (best != kept_.end()) {
         keptBytes_ -= best->allocatedBytes;
         live_.splice(live_.end(), kept_, best);
@@ -174,8 +171,7 @@ VkBufferView MemoryPool::view(Block& block, VkFormat format, uint64_t offset, ui
     const std::lock_guard lock(mutex_);
     const auto [it, fresh] = block.views.try_emplace({format, offset, range}, VkBufferView(VK_NULL_HANDLE));
     if (fresh) {
-        const VkBufferViewCreateInfo info{
-            VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO, nullptr, 0, block.buffer, format, offset, range};
+        const VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO, nullptr, 0, block.buffer, format, offset, range};
         VK_CHECK(vk_.vkCreateBufferView(device_, &info, nullptr, &it->second));
     }
     return it->second;

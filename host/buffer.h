@@ -17,7 +17,7 @@ struct BufferImpl;
 
 class RawBuffer {
 public:
-    RawBuffer() noexcept;   // empty: may be bound nowhere
+    RawBuffer() noexcept;  // empty: may be bound nowhere
     // Throws Error(failed) when the budget, maxMemoryAllocationSize or the device refuses.
     // Contents are undefined (recycled allocations are possible): clear what must be clear.
     RawBuffer(Device& device, uint64_t bytes, const char* name);
@@ -25,8 +25,8 @@ public:
     RawBuffer& operator=(RawBuffer&&) noexcept;
     ~RawBuffer();
 
-    uint64_t bytes() const;       // as asked for
-    void* data();                 // host address; coherent
+    uint64_t bytes() const;  // as asked for
+    void* data();            // host address; coherent
     const void* data() const;
     explicit operator bool() const { return impl_ != nullptr; }
     BufferImpl& impl() const { return *impl_; }
@@ -40,8 +40,7 @@ template <class T>
 class Buffer : public RawBuffer {
 public:
     Buffer() = default;
-    Buffer(Device& device, uint64_t count, const char* name)
-        : RawBuffer(device, checkedBytes(count), name), count_(count) {}
+    Buffer(Device& device, uint64_t count, const char* name) : RawBuffer(device, checkedBytes(count), name), count_(count) {}
     uint64_t count() const { return count_; }
     std::span<T> span() { return {static_cast<T*>(data()), size_t(count_)}; }
     std::span<const T> span() const { return {static_cast<const T*>(data()), size_t(count_)}; }

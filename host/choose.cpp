@@ -2,8 +2,8 @@
 // Which device is used and why: the words of --device and --require-device over a list of devices.
 #include "host/vulkan.h"
 
-#include <cstdint>
 #include <fmt/core.h>
+#include <cstdint>
 
 #include <algorithm>
 #include <cctype>
@@ -52,8 +52,7 @@ const char* const kAdvice =
 
 }  // namespace
 
-DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& whyNone,
-                          const DeviceRequest& request) {
+DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& whyNone, const DeviceRequest& request) {
     const std::string prefer = request.prefer.empty() ? "auto" : request.prefer;
     const bool preferAuto = lower(prefer) == "auto", preferTwin = lower(prefer) == "twin";
     const bool requireAny = request.require.empty() || lower(request.require) == "auto";
@@ -65,14 +64,12 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
                                  d.unusableBecause.empty() ? "" : "; unusable: ", d.unusableBecause);
         return deviceError(
             fmt::format("{}: no such device; {}", wanted,
-                        devices.empty() ? fmt::format("{}\n{}", whyNone.empty() ? "none was found" : whyNone, kAdvice)
-                                        : "found " + found));
+                        devices.empty() ? fmt::format("{}\n{}", whyNone.empty() ? "none was found" : whyNone, kAdvice) : "found " + found));
     };
 
     DeviceChoice choice;
     if (preferTwin || (requireTwin && preferAuto)) {
-        if (!requireAny && !requireTwin)
-            throw deviceError(fmt::format("--require-device {} excludes --device twin", request.require));
+        if (!requireAny && !requireTwin) throw deviceError(fmt::format("--require-device {} excludes --device twin", request.require));
         choice.twin = true;
         choice.reason = preferTwin ? "the CPU twin was asked for" : "the CPU twin is required";
         return choice;
@@ -93,17 +90,14 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
         else
             candidates.push_back(&d);
     }
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const auto* a, const auto* b) { return rank(*a) < rank(*b); });
+    std::stable_sort(candidates.begin(), candidates.end(), [](const auto* a, const auto* b) { return rank(*a) < rank(*b); });
     if (candidates.empty()) {
         if (!preferAuto && !preferExists) throw none("--device " + prefer);
         if (!requireAny) throw none("--require-device " + request.require);
         if (!preferAuto) throw none("--device " + prefer);
         choice.twin = true;
-        choice.reason =
-            devices.empty()
-                ? fmt::format("the CPU twin draws: {}", whyNone.empty() ? "no Vulkan device was found" : whyNone)
-                : fmt::format("the CPU twin draws: no device is usable ({})", choice.notChosen.front());
+        choice.reason = devices.empty() ? fmt::format("the CPU twin draws: {}", whyNone.empty() ? "no Vulkan device was found" : whyNone)
+                                        : fmt::format("the CPU twin draws: no device is usable ({})", choice.notChosen.front());
         choice.advice = kAdvice;
         return choice;
     }
@@ -113,10 +107,9 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
     const std::string kind = isGpu(choice.info)     ? choice.info.type + " GPU"
                              : choice.info.lavapipe ? "lavapipe"
                                                     : choice.info.type + " device";
-    choice.reason = preferAuto
-                        ? fmt::format("device {} '{}': the first usable {}{}", choice.info.index, choice.info.name,
-                                      kind, isGpu(choice.info) ? "" : "; no usable GPU was found")
-                        : fmt::format("device {} '{}': asked for as '{}'", choice.info.index, choice.info.name, prefer);
+    choice.reason = preferAuto ? fmt::format("device {} '{}': the first usable {}{}", choice.info.index, choice.info.name, kind,
+                                             isGpu(choice.info) ? "" : "; no usable GPU was found")
+                               : fmt::format("device {} '{}': asked for as '{}'", choice.info.index, choice.info.name, prefer);
     return choice;
 }
 
@@ -127,8 +120,7 @@ DeviceChoice Device::choose(const DeviceRequest& request) {
     const std::shared_ptr<Instance> instance = Instance::acquire(validationWanted(request), why);
     std::vector<DeviceInfo> devices;
     if (instance)
-        for (const VkPhysicalDevice physical : instance->physicalDevices())
-            devices.push_back(describe(physical, uint32_t(devices.size())));
+        for (const VkPhysicalDevice physical : instance->physicalDevices()) devices.push_back(describe(physical, uint32_t(devices.size())));
     DeviceChoice choice = chooseDevice(devices, why, request);
     choice.keepAlive = instance;
     return choice;

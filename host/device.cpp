@@ -4,9 +4,9 @@
 
 #include "host/selftest.h"
 
+#include <fmt/core.h>
 #include <cstdint>
 #include <cstdio>
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <bit>
@@ -64,13 +64,11 @@ namespace {
 std::mutex instanceMutex;                    // volk's instance functions are globals
 std::weak_ptr<Instance> sharedInstances[2];  // by validation
 
-VKAPI_ATTR VkBool32 VKAPI_CALL collectMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
-                                              VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL collectMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT,
                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
     auto& log = *static_cast<ValidationLog*>(user);
-    std::string line =
-        fmt::format("{}: {}", severity & VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT ? "error" : "warning",
-                    data->pMessage ? data->pMessage : "");
+    std::string line = fmt::format("{}: {}", severity & VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT ? "error" : "warning",
+                                   data->pMessage ? data->pMessage : "");
     std::replace(line.begin(), line.end(), '\n', ' ');
     const std::lock_guard lock(log.mutex);
     if (log.toStderr) std::fprintf(stderr, "plumb: validation %s\n", line.c_str());
@@ -87,8 +85,7 @@ void requireValidationLayer() {
     VK_CHECK_START(vkEnumerateInstanceLayerProperties(&count, layers.data()));
     for (const VkLayerProperties& layer : layers)
         if (std::strcmp(layer.layerName, kValidationLayer) == 0) return;
-    throw deviceError(fmt::format("validation was asked for, but {} is not installed (Debian: vulkan-validationlayers)",
-                                  kValidationLayer));
+    throw deviceError(fmt::format("validation was asked for, but {} is not installed (Debian: vulkan-validationlayers)", kValidationLayer));
 }
 
 std::string driverFilesHint() {
@@ -121,8 +118,7 @@ std::shared_ptr<Instance> Instance::acquire(bool validation, std::string& why) {
 
     auto instance = std::make_shared<Instance>();
     instance->validation = validation;
-    const VkApplicationInfo application{
-        VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "plumbline", 1, "plumbline", 1, VK_API_VERSION_1_2};
+    const VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "plumbline", 1, "plumbline", 1, VK_API_VERSION_1_2};
     const VkDebugUtilsMessengerCreateInfoEXT messenger{
         VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
         nullptr,
@@ -132,8 +128,7 @@ std::shared_ptr<Instance> Instance::acquire(bool validation, std::string& why) {
         collectMessage,
         &instance->log};
     const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
-    const VkValidationFeaturesEXT features{
-        VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger, 1, &synchronization, 0, nullptr};
+    const VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger, 1, &synchronization, 0, nullptr};
     const char* const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
     VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
     info.pApplicationInfo = &application;
@@ -147,16 +142,13 @@ std::shared_ptr<Instance> Instance::acquire(bool validation, std::string& why) {
     const VkResult result = vkCreateInstance(&info, nullptr, &instance->handle);
     if (result != VK_SUCCESS) {
         instance->handle = VK_NULL_HANDLE;
-        why = result == VK_ERROR_INCOMPATIBLE_DRIVER
-                  ? fmt::format("the Vulkan loader found no working driver (ICD){}", driverFilesHint())
-                  : fmt::format("vkCreateInstance returned {}{}", resultName(result), driverFilesHint());
-        if (validation && result != VK_ERROR_INCOMPATIBLE_DRIVER)
-            throw deviceError("validation was asked for, but " + why);
+        why = result == VK_ERROR_INCOMPATIBLE_DRIVER ? fmt::format("the Vulkan loader found no working driver (ICD){}", driverFilesHint())
+                                                     : fmt::format("vkCreateInstance returned {}{}", resultName(result), driverFilesHint());
+        if (validation && result != VK_ERROR_INCOMPATIBLE_DRIVER) throw deviceError("validation was asked for, but " + why);
         return nullptr;
     }
     volkLoadInstanceOnly(instance->handle);
-    if (validation)
-        VK_CHECK_START(vkCreateDebugUtilsMessengerEXT(instance->handle, &messenger, nullptr, &instance->messenger));
+    if (validation) VK_CHECK_START(vkCreateDebugUtilsMessengerEXT(instance->handle, &messenger, nullptr, &instance->messenger));
     shared = instance;
     if (instance->physicalDevices().empty()) why = "the Vulkan driver lists no device" + driverFilesHint();
     return instance;
@@ -207,10 +199,8 @@ std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice physical) {
 // Everything asked of a device of Vulkan 1.2 or later, in one place; self-referencing, so it stays where it is made.
 struct Queried {
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
-    VkPhysicalDeviceFloatControlsProperties floats{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES,
-                                                   &subgroup};
-    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
-                                                        &floats};
+    VkPhysicalDeviceFloatControlsProperties floats{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES, &subgroup};
+    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES, &floats};
     VkPhysicalDeviceIDProperties ids{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, &maintenance3};
     VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES, &ids};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver};
@@ -275,9 +265,8 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index) {
             info.type = "other";
             break;
     }
-    info.apiVersion =
-        fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(properties.apiVersion),
-                    VK_API_VERSION_MINOR(properties.apiVersion), VK_API_VERSION_PATCH(properties.apiVersion));
+    info.apiVersion = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(properties.apiVersion), VK_API_VERSION_MINOR(properties.apiVersion),
+                                  VK_API_VERSION_PATCH(properties.apiVersion));
     if (properties.apiVersion < VK_API_VERSION_1_2) {
         info.unusableBecause = fmt::format("has Vulkan {}, 1.2 is needed", info.apiVersion);
         return info;
@@ -298,8 +287,7 @@ std::vector<DeviceInfo> Device::list(std::string* why) {
     std::string reason;
     std::vector<DeviceInfo> devices;
     if (const auto instance = Instance::acquire(false, reason))
-        for (const VkPhysicalDevice physical : instance->physicalDevices())
-            devices.push_back(describe(physical, uint32_t(devices.size())));
+        for (const VkPhysicalDevice physical : instance->physicalDevices()) devices.push_back(describe(physical, uint32_t(devices.size())));
     if (why) *why = devices.empty() ? reason : "";
     return devices;
 }
@@ -320,8 +308,7 @@ ShrunkNative shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memo
             throw deviceError(fmt::format("PLUMB_LIMITS: '{}' is not NAME=NUMBER", item));
         const std::string_view name = item.substr(0, equals);
         const auto lower = [&](auto& limit) {
-            if (value > uint64_t(limit))
-                throw deviceError(fmt::format("PLUMB_LIMITS: {}={} is above the device's {}", name, value, limit));
+            if (value > uint64_t(limit)) throw deviceError(fmt::format("PLUMB_LIMITS: {}={} is above the device's {}", name, value, limit));
             limit = std::remove_reference_t<decltype(limit)>(value);
         };
         if (name == "storageRange")
@@ -407,15 +394,13 @@ std::unique_ptr<DeviceImpl> openImpl(const DeviceChoice& choice, const DeviceReq
     for (uint32_t i = 0; i < devices.size(); ++i) {
         const DeviceInfo info = describe(devices[i], i);
         // The order may have changed since the choice: identity decides, the index only between equals.
-        if (info.uuid == choice.info.uuid && info.name == choice.info.name &&
-            (!impl->physical || i == choice.info.index)) {
+        if (info.uuid == choice.info.uuid && info.name == choice.info.name && (!impl->physical || i == choice.info.index)) {
             impl->physical = devices[i];
             impl->info = info;
         }
     }
     if (!impl->physical) throw deviceError(fmt::format("device '{}' is gone", choice.info.name));
-    if (!impl->info.unusableBecause.empty())
-        throw deviceError(fmt::format("device '{}' {}", impl->info.name, impl->info.unusableBecause));
+    if (!impl->info.unusableBecause.empty()) throw deviceError(fmt::format("device '{}' {}", impl->info.name, impl->info.unusableBecause));
 
     const Queried q(impl->physical);
     const auto families = queueFamilies(impl->physical);
@@ -430,10 +415,8 @@ std::unique_ptr<DeviceImpl> openImpl(const DeviceChoice& choice, const DeviceReq
     impl->limits = limitsOf(q, families, impl->queueFamily);
 
     const float priority = 1;
-    const VkDeviceQueueCreateInfo queueInfo{
-        VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, impl->queueFamily, 1, &priority};
-    VkPhysicalDeviceScalarBlockLayoutFeatures scalar{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES,
-                                                     nullptr, VK_TRUE};
+    const VkDeviceQueueCreateInfo queueInfo{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, impl->queueFamily, 1, &priority};
+    VkPhysicalDeviceScalarBlockLayoutFeatures scalar{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES, nullptr, VK_TRUE};
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &scalar};
     features.features.shaderInt64 = impl->limits.int64;
     features.features.shaderFloat64 = impl->limits.float64;

@@ -15,67 +15,67 @@ namespace plumb {
 
 // One entry of `plumb devices`. The twin (the CPU reference) is not a Vulkan device and is not listed here.
 struct DeviceInfo {
-    uint32_t index = 0;          // order in which the loader lists it
-    std::string name;            // e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"
-    std::string type;            // "cpu", "integrated", "discrete", "virtual", "other"
-    std::string driver;          // VkPhysicalDeviceDriverProperties::driverName
-    std::string driverInfo;      // ... driverInfo
-    std::string apiVersion;      // "1.3.230"
-    std::string uuid;            // 32 hex digits
-    bool lavapipe = false;       // driver id is MESA_LLVMPIPE
-    std::string unusableBecause; // empty when it can run every base module
+    uint32_t index = 0;           // order in which the loader lists it
+    std::string name;             // e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"
+    std::string type;             // "cpu", "integrated", "discrete", "virtual", "other"
+    std::string driver;           // VkPhysicalDeviceDriverProperties::driverName
+    std::string driverInfo;       // ... driverInfo
+    std::string apiVersion;       // "1.3.230"
+    std::string uuid;             // 32 hex digits
+    bool lavapipe = false;        // driver id is MESA_LLVMPIPE
+    std::string unusableBecause;  // empty when it can run every base module
 };
 
 // Read from the device, never constants. Tests shrink them through PLUMB_LIMITS (see Device::open).
 struct DeviceLimits {
-    uint64_t storageRangeBytes = 0;      // maxStorageBufferRange
-    uint64_t texelElements = 0;          // maxTexelBufferElements
-    uint64_t groupCount[3] = {};         // maxComputeWorkGroupCount
-    uint64_t allocationBytes = 0;        // maxMemoryAllocationSize
-    uint32_t groupInvocations = 0;       // maxComputeWorkGroupInvocations
+    uint64_t storageRangeBytes = 0;  // maxStorageBufferRange
+    uint64_t texelElements = 0;      // maxTexelBufferElements
+    uint64_t groupCount[3] = {};     // maxComputeWorkGroupCount
+    uint64_t allocationBytes = 0;    // maxMemoryAllocationSize
+    uint32_t groupInvocations = 0;   // maxComputeWorkGroupInvocations
     uint32_t pushConstantBytes = 0;
     uint32_t subgroupSize = 0;
-    uint32_t texelOffsetAlignment = 0;   // minTexelBufferOffsetAlignment
+    uint32_t texelOffsetAlignment = 0;  // minTexelBufferOffsetAlignment
     uint32_t storageOffsetAlignment = 0;
-    double timestampPeriodNs = 0;        // 0: no timestamps on the compute queue
-    bool subgroupShuffle = false;        // ballot, vote and shuffle usable in compute, subgroup size a power of two >= 8
+    double timestampPeriodNs = 0;  // 0: no timestamps on the compute queue
+    bool subgroupShuffle = false;  // ballot, vote and shuffle usable in compute, subgroup size a power of two >= 8
     bool roundingModeRte32 = false;
     bool int64 = false;
     bool float64 = false;
     bool hasGraphicsQueue = false;
-    uint32_t subPixelBits = 0;           // of the device's own rasteriser (host/graphics.h)
+    uint32_t subPixelBits = 0;  // of the device's own rasteriser (host/graphics.h)
 };
 
 // What the start-up self-test and the canaries found (docs/accuracy.md, start-up self-test).
 struct SelfTest {
-    bool exactAddMul = false;      // + - * correctly rounded; otherwise the twin draws, and says so
-    bool exactConversions = false; // int <-> float, imulExtended
-    bool nativeDivideIsExact = false; // x/y is IEEE here: the shaders may use it
+    bool exactAddMul = false;          // + - * correctly rounded; otherwise the twin draws, and says so
+    bool exactConversions = false;     // int <-> float, imulExtended
+    bool nativeDivideIsExact = false;  // x/y is IEEE here: the shaders may use it
     bool nativeRootIsExact = false;
-    bool emulatedDivideIsExact = false; // cdiv of shaders/shared/exact.h, the fallback
+    bool emulatedDivideIsExact = false;  // cdiv of shaders/shared/exact.h, the fallback
     bool emulatedRootIsExact = false;
-    uint32_t loopLimit = 0;        // iterations after which a loop silently stops; 0 = none seen up to 80,000
+    uint32_t loopLimit = 0;  // iterations after which a loop silently stops; 0 = none seen up to 80,000
     bool fromCache = false;
     double timeMs = 0;
-    std::string failure;           // empty: the device may draw; otherwise one sentence
+    std::string failure;  // empty: the device may draw; otherwise one sentence
 };
 
 // --device and --require-device words: auto, twin, lavapipe, gpu, software, INDEX, UUID, SUBSTRING.
 struct DeviceRequest {
     std::string prefer = "auto";
-    std::string require;           // empty: anything; else exit 4 rather than use another
-    bool validation = false;       // core + synchronization validation; messages are collected
-    uint64_t memoryBudgetBytes = 0; // 0: min(heap, half of MemAvailable, cgroup limit)
+    std::string require;             // empty: anything; else exit 4 rather than use another
+    bool validation = false;         // core + synchronization validation; messages are collected
+    uint64_t memoryBudgetBytes = 0;  // 0: min(heap, half of MemAvailable, cgroup limit)
 };
 
 // The answer of chooseDevice(). `twin` true: no device is used, the CPU twin draws.
 struct DeviceChoice {
     bool twin = false;
-    DeviceInfo info;               // valid when !twin
-    std::string reason;            // one sentence, printed with -v and in JSON
-    std::string advice;            // when nothing was found: what to install, in one or two lines; for stderr
-    std::vector<std::string> notChosen; // "name: why", one each
-    std::shared_ptr<void> keepAlive; // what the choice has already loaded, for open(); opaque
+    DeviceInfo info;                     // valid when !twin
+    std::string reason;                  // one sentence, printed with -v and in JSON
+    std::string advice;                  // when nothing was found: what to install, in one or two lines; for stderr
+    std::vector<std::string> notChosen;  // "name: why", one each
+    std::shared_ptr<void> keepAlive;     // what the choice has already loaded, for open(); opaque
 };
 
 // The rule behind Device::choose, over any list. `whyNone` explains an empty list.

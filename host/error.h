@@ -14,13 +14,13 @@ namespace plumb {
 // Exit codes of the command `plumb`; fixed, documented in docs/outputs.md.
 enum class Exit : int {
     done = 0,
-    overGate = 1,      // compared, and over a gate
-    usage = 2,         // command line
-    input = 3,         // refused input
-    device = 4,        // no usable or no required device
-    failed = 5,        // render or write failed: memory, watchdog, lost device, disk
-    budget = 6,        // error or time budget unreachable
-    blank = 7,         // picture is blank and --fail-blank was given
+    overGate = 1,  // compared, and over a gate
+    usage = 2,     // command line
+    input = 3,     // refused input
+    device = 4,    // no usable or no required device
+    failed = 5,    // render or write failed: memory, watchdog, lost device, disk
+    budget = 6,    // error or time budget unreachable
+    blank = 7,     // picture is blank and --fail-blank was given
     interrupted = 130,
     terminated = 143,
 };
@@ -41,9 +41,7 @@ public:
 };
 
 // The user's input is refused: `place` is "file:line:column", "file: byte N" or "file: /json/pointer".
-inline Error inputError(const std::string& place, const std::string& message) {
-    return Error(Exit::input, place + ": " + message);
-}
+inline Error inputError(const std::string& place, const std::string& message) { return Error(Exit::input, place + ": " + message); }
 inline Error usageError(const std::string& message) { return Error(Exit::usage, message); }
 inline Error deviceError(const std::string& message) { return Error(Exit::device, message); }
 inline Error renderError(const std::string& message) { return Error(Exit::failed, message); }
@@ -53,7 +51,6 @@ inline Error renderError(const std::string& message) { return Error(Exit::failed
     std::fprintf(stderr, "plumb: internal error: %s is false at %s:%d\n", condition, file, line);
     std::abort();
 }
-#define PLUMB_ASSERT(condition) \
-    ((condition) ? void(0) : ::plumb::assertionFailed(#condition, __FILE__, __LINE__))
+#define PLUMB_ASSERT(condition) ((condition) ? void(0) : ::plumb::assertionFailed(#condition, __FILE__, __LINE__))
 
 }  // namespace plumb

@@ -5,8 +5,8 @@
 #include "host/error.h"
 #include "host/spirv_words.h"
 
-#include <cstdint>
 #include <fmt/core.h>
+#include <cstdint>
 
 #include <algorithm>
 #include <array>
@@ -97,8 +97,10 @@ public:
         std::vector<uint32_t> body;
         std::vector<bool> used(names_), gone(names_);
         for (const Function& f : functions_) {
-            if (!f.called) forget(at(f.begin, f.end), gone);
-            else writeFunction(f, body, used, gone);
+            if (!f.called)
+                forget(at(f.begin, f.end), gone);
+            else
+                writeFunction(f, body, used, gone);
         }
         dropVariables(body, used, gone);
         std::vector<uint32_t> all(words_.begin(), words_.begin() + kHeaderWords);
@@ -115,10 +117,10 @@ public:
 
 private:
     struct Block {
-        size_t begin = 0, end = 0;           // words, from its label to its terminator
-        uint32_t label = 0, taken = 0;       // taken: the only side of its branch; 0: the branch stays
+        size_t begin = 0, end = 0;      // words, from its label to its terminator
+        uint32_t label = 0, taken = 0;  // taken: the only side of its branch; 0: the branch stays
         bool live = false;
-        std::vector<uint32_t> next;          // labels that it branches to, once live
+        std::vector<uint32_t> next;  // labels that it branches to, once live
     };
     struct Function {
         size_t begin = 0, end = 0;
@@ -139,9 +141,7 @@ private:
         }
         return all;
     }
-    static bool isDebug(uint32_t op) {
-        return (op >= kOpSourceContinued && op <= kOpLine) || op == kOpNoLine || op == kOpModuleProcessed;
-    }
+    static bool isDebug(uint32_t op) { return (op >= kOpSourceContinued && op <= kOpLine) || op == kOpNoLine || op == kOpModuleProcessed; }
     // The id that an instruction of a function makes, or 0. Such instructions, and no others, have a type or are labels.
     uint32_t resultOf(Words in) const {
         if (opOf(in) == kOpLabel) return in[1];
@@ -254,8 +254,10 @@ private:
         for (const Words in : instructions(at(block.begin, block.end))) {
             const uint32_t op = opOf(in);
             if (op == kOpFunctionCall) call(in.size() > 3 ? in[3] : 0);
-            if (op == kOpPhi) known_[checked(in[2])] = phi(f, block, in);
-            else if (const uint32_t id = resultOf(in); id != 0 && in.size() > 3) known_[checked(id)] = evaluate(op, known(in, 3), known(in, 4), known(in, 5));
+            if (op == kOpPhi)
+                known_[checked(in[2])] = phi(f, block, in);
+            else if (const uint32_t id = resultOf(in); id != 0 && in.size() > 3)
+                known_[checked(id)] = evaluate(op, known(in, 3), known(in, 4), known(in, 5));
             if (op == kOpSelectionMerge || op == kOpLoopMerge) {
                 // What a construct names must stay, reached or not.
                 merge = in;
@@ -349,8 +351,10 @@ private:
         std::vector<uint32_t> left;
         left.reserve(body.size());
         for (const Words in : instructions(body)) {
-            if (opOf(in) == kOpVariable && !used[in[2]]) gone[in[2]] = true;
-            else left.insert(left.end(), in.begin(), in.end());
+            if (opOf(in) == kOpVariable && !used[in[2]])
+                gone[in[2]] = true;
+            else
+                left.insert(left.end(), in.begin(), in.end());
         }
         body = std::move(left);
     }
@@ -358,11 +362,11 @@ private:
     static constexpr size_t kNone = ~size_t(0);
     std::string_view name_;
     Words words_;
-    uint32_t names_ = 0, entry_ = 0;      // names_: ids are below
-    size_t globals_ = 0;                  // words before the first function
-    std::vector<bool> isType_, isWord_;   // isWord_: truth values and integers of 32 bits
+    uint32_t names_ = 0, entry_ = 0;     // names_: ids are below
+    size_t globals_ = 0;                 // words before the first function
+    std::vector<bool> isType_, isWord_;  // isWord_: truth values and integers of 32 bits
     std::vector<Value> known_;
-    std::vector<size_t> functionOf_;      // by id, into functions_
+    std::vector<size_t> functionOf_;  // by id, into functions_
     std::vector<Function> functions_;
     std::vector<size_t> called_;
 };

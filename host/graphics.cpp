@@ -34,13 +34,14 @@ struct GraphicsImpl {
     bool recorded = false, withDepth = false;
 
     GraphicsImpl(Device& d, const GraphicsSetup& setup)
-        : owner(d), device(d.impl()), colourFormat(setup.wordColour ? VK_FORMAT_R32_UINT : VK_FORMAT_R8G8B8A8_UNORM),
+        : owner(d),
+          device(d.impl()),
+          colourFormat(setup.wordColour ? VK_FORMAT_R32_UINT : VK_FORMAT_R8G8B8A8_UNORM),
           pushBytes(setup.pushBytes) {
-        if (!device.queueDraws)
-            throw deviceError(fmt::format("device '{}' has no graphics pipeline on its queue", device.info.name));
+        if (!device.queueDraws) throw deviceError(fmt::format("device '{}' has no graphics pipeline on its queue", device.info.name));
         if (pushBytes > device.limits.pushConstantBytes)
-            throw deviceError(fmt::format("device '{}' allows {} bytes of push constants, the graphics pipeline takes {}",
-                                          device.info.name, device.limits.pushConstantBytes, pushBytes));
+            throw deviceError(fmt::format("device '{}' allows {} bytes of push constants, the graphics pipeline takes {}", device.info.name,
+                                          device.limits.pushConstantBytes, pushBytes));
         try {
             createCommands();
             createRenderPass();
@@ -149,8 +150,7 @@ struct GraphicsImpl {
 
         std::vector<VkSpecializationMapEntry> entries;
         for (uint32_t i = 0; i < setup.fragmentConstants.size(); ++i) entries.push_back({i, i * 4, 4});
-        const VkSpecializationInfo constants{uint32_t(entries.size()), entries.data(), entries.size() * 4,
-                                             setup.fragmentConstants.data()};
+        const VkSpecializationInfo constants{uint32_t(entries.size()), entries.data(), entries.size() * 4, setup.fragmentConstants.data()};
         std::array<VkPipelineShaderStageCreateInfo, 2> stages{};
         for (auto& stage : stages) {
             stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -276,7 +276,8 @@ GraphicsPipeline::GraphicsPipeline(Device& device, const GraphicsSetup& setup) :
 GraphicsPipeline::~GraphicsPipeline() = default;
 
 void GraphicsPipeline::record(uint32_t width, uint32_t height, const std::array<float, 4>& viewport, uint32_t clearColour,
-                              const RawBuffer& vertices, const Buffer<uint32_t>& indices, std::span<const GraphicsDraw> draws, bool copyDepth) {
+                              const RawBuffer& vertices, const Buffer<uint32_t>& indices, std::span<const GraphicsDraw> draws,
+                              bool copyDepth) {
     GraphicsImpl& g = *impl_;
     const VolkDeviceTable& vk = g.device.vk;
     g.recorded = false;
@@ -310,7 +311,8 @@ void GraphicsPipeline::record(uint32_t width, uint32_t height, const std::array<
     for (const GraphicsDraw& draw : draws) {
         PLUMB_ASSERT(draw.push.size() * 4 == g.pushBytes);
         if (g.pushBytes != 0)
-            vk.vkCmdPushConstants(g.commands, g.layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, g.pushBytes, draw.push.data());
+            vk.vkCmdPushConstants(g.commands, g.layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, g.pushBytes,
+                                  draw.push.data());
         vk.vkCmdDrawIndexed(g.commands, draw.indexCount, 1, draw.firstIndex, 0, 0);
     }
     vk.vkCmdEndRenderPass(g.commands);
@@ -336,9 +338,7 @@ void GraphicsPipeline::run(double watchdogMs) {
     throw renderError(fmt::format("graphics pipeline: {} while waiting for the device", resultName(waited)));
 }
 
-std::span<const uint32_t> GraphicsPipeline::colour() const {
-    return impl_->colourBack.span().first(size_t(impl_->width) * impl_->height);
-}
+std::span<const uint32_t> GraphicsPipeline::colour() const { return impl_->colourBack.span().first(size_t(impl_->width) * impl_->height); }
 std::span<const float> GraphicsPipeline::depth() const {
     return impl_->withDepth ? impl_->depthBack.span().first(size_t(impl_->width) * impl_->height) : std::span<const float>();
 }

@@ -16,24 +16,24 @@ namespace plumb {
 
 enum class VertexFormat : uint32_t { float3, float4, word };
 
-struct VertexInput {                    // its location is its place in the list
+struct VertexInput {  // its location is its place in the list
     VertexFormat format = VertexFormat::float4;
-    uint32_t offset = 0;                // bytes in a vertex
+    uint32_t offset = 0;  // bytes in a vertex
 };
 
 struct GraphicsSetup {
-    std::span<const uint32_t> vertexWords, fragmentWords;   // SPIR-V with entry point "main"
+    std::span<const uint32_t> vertexWords, fragmentWords;  // SPIR-V with entry point "main"
     uint32_t vertexBytes = 0;
     std::vector<VertexInput> inputs;
-    bool wordColour = false;            // R32_UINT instead of R8G8B8A8_UNORM
-    bool cullBackFaces = false;         // front faces run counter-clockwise as seen (y down)
-    uint32_t pushBytes = 0;             // visible to both stages
+    bool wordColour = false;                  // R32_UINT instead of R8G8B8A8_UNORM
+    bool cullBackFaces = false;               // front faces run counter-clockwise as seen (y down)
+    uint32_t pushBytes = 0;                   // visible to both stages
     std::vector<uint32_t> fragmentConstants;  // specialization constants 0, 1, ... of the fragment module
 };
 
 struct GraphicsDraw {
     uint32_t firstIndex = 0, indexCount = 0;
-    std::vector<uint32_t> push;         // words; pushBytes of them
+    std::vector<uint32_t> push;  // words; pushBytes of them
 };
 
 struct GraphicsImpl;

@@ -10,9 +10,9 @@ namespace plumb {
 
 // One embedded module; the generated header <spirv/NAME.h> defines `plumb::spirv::NAME` of this type.
 struct Module {
-    std::string_view name;             // stem of the .comp
+    std::string_view name;  // stem of the .comp
     std::span<const uint32_t> words;
-    std::string_view sha256;           // of the words, hex
+    std::string_view sha256;  // of the words, hex
 };
 
 }  // namespace plumb

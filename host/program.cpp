@@ -5,8 +5,8 @@
 #include "host/spirv_words.h"
 #include "host/vulkan.h"
 
-#include <cstdint>
 #include <fmt/format.h>
+#include <cstdint>
 
 #include <algorithm>
 #include <future>
@@ -57,8 +57,7 @@ public:
         Reflection result;
         localSize(result);
         for (const uint32_t variable : variables_) addVariable(variable, result);
-        std::sort(result.bindings.begin(), result.bindings.end(),
-                  [](const auto& a, const auto& b) { return a.binding < b.binding; });
+        std::sort(result.bindings.begin(), result.bindings.end(), [](const auto& a, const auto& b) { return a.binding < b.binding; });
         for (size_t i = 1; i < result.bindings.size(); ++i)
             if (result.bindings[i].binding == result.bindings[i - 1].binding) fail("two variables share a binding");
         for (const auto& [id, name] : specialized()) {
@@ -289,8 +288,7 @@ private:
                             : definition(image[2], 4)[3] == 0 ? TexelType::unsignedInt
                                                               : TexelType::signedInt;
         } else {
-            if (opOf(in) != kOpTypeStruct || in.size() < 3)
-                fail(fmt::format("'{}' is an array of blocks or empty", binding.name));
+            if (opOf(in) != kOpTypeStruct || in.size() < 3) fail(fmt::format("'{}' is an array of blocks or empty", binding.name));
             const bool storage = storageClass == kStorageBuffer || decoration(type, kBufferBlock);
             binding.kind = storage ? BindingKind::storage : BindingKind::uniformBuffer;
             const Instruction last = definition(in.back(), 2);
@@ -323,8 +321,8 @@ VkDescriptorType descriptorType(const Module& module, const ReflectedBinding& bi
         case BindingKind::uniformBuffer:
             break;
     }
-    throw renderError(fmt::format("{}: binding {} is a uniform buffer; the recorder binds storage and texel buffers",
-                                  module.name, binding.binding));
+    throw renderError(
+        fmt::format("{}: binding {} is a uniform buffer; the recorder binds storage and texel buffers", module.name, binding.binding));
 }
 
 std::string keyOf(const Module& module, const Specialization& constants) {
@@ -332,7 +330,6 @@ std::string keyOf(const Module& module, const Specialization& constants) {
     for (const auto& [name, value] : constants) key += fmt::format(" {}={}", name, value);
     return key;
 }
-
 
 // The values given, by the numbers of the module's constants, each of which must be given; kNativeDivide and kNativeRoot default to the self-test's.
 ConstantsById constantsById(const Module& module, const ModuleReader& reader, const SelfTest& selfTest, Specialization given) {
@@ -351,15 +348,14 @@ ConstantsById constantsById(const Module& module, const ModuleReader& reader, co
         has += (has.empty() ? "" : ", ") + name;
     }
     if (!given.empty())
-        throw renderError(fmt::format("{}: no constant is called {} (the module has {})", module.name, given.begin()->first, has.empty() ? "none" : has));
+        throw renderError(
+            fmt::format("{}: no constant is called {} (the module has {})", module.name, given.begin()->first, has.empty() ? "none" : has));
     return byId;
 }
 
 }  // namespace
 
-Reflection reflect(const Module& module, const ConstantsById& constants) {
-    return ModuleReader(module).reflection(constants);
-}
+Reflection reflect(const Module& module, const ConstantsById& constants) { return ModuleReader(module).reflection(constants); }
 
 void DeviceImpl::destroy(const Program& program) const {
     vk.vkDestroyPipeline(handle, program.pipeline, nullptr);
@@ -389,13 +385,13 @@ Program DeviceImpl::make(const Module& module, const Specialization& constants) 
 
     const uint64_t invocations = uint64_t(r.localSize[0]) * r.localSize[1] * r.localSize[2];
     if (invocations == 0 || invocations > limits.groupInvocations)
-        throw renderError(fmt::format("{}: {} invocations a workgroup, the device allows 1 to {}", module.name,
-                                      invocations, limits.groupInvocations));
+        throw renderError(
+            fmt::format("{}: {} invocations a workgroup, the device allows 1 to {}", module.name, invocations, limits.groupInvocations));
     if (r.pushConstantBytes > limits.pushConstantBytes)
-        throw renderError(fmt::format("{}: {} bytes of push constants, the device allows {}", module.name,
-                                      r.pushConstantBytes, limits.pushConstantBytes));
-    if (r.bindings.empty() || r.bindings[0].binding != 0 || r.bindings[0].kind != BindingKind::storage ||
-        r.bindings[0].strideBytes != 8 || r.pushConstantBytes < 4)
+        throw renderError(fmt::format("{}: {} bytes of push constants, the device allows {}", module.name, r.pushConstantBytes,
+                                      limits.pushConstantBytes));
+    if (r.bindings.empty() || r.bindings[0].binding != 0 || r.bindings[0].kind != BindingKind::storage || r.bindings[0].strideBytes != 8 ||
+        r.pushConstantBytes < 4)
         throw renderError(
             fmt::format("{}: binding 0 is not the Status buffer of shaders/shared/status.h, "
                         "or the push block does not begin with the status slot",
@@ -403,8 +399,7 @@ Program DeviceImpl::make(const Module& module, const Specialization& constants) 
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     uint32_t used[3] = {0, 0, uint32_t(r.bindings.size())};
     for (const ReflectedBinding& b : r.bindings) {
-        if (b.binding != bindings.size())
-            throw renderError(fmt::format("{}: no binding has number {}", module.name, bindings.size()));
+        if (b.binding != bindings.size()) throw renderError(fmt::format("{}: no binding has number {}", module.name, bindings.size()));
         bindings.push_back({b.binding, descriptorType(module, b), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
         ++used[b.kind == BindingKind::storage ? 0 : 1];
     }
@@ -437,8 +432,8 @@ Program DeviceImpl::make(const Module& module, const Specialization& constants) 
         VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, nullptr, 0, 1, &program.setLayout, 1, &range};
     VK_CHECK(vk.vkCreatePipelineLayout(handle, &layoutInfo, nullptr, &program.layout));
     const std::vector<uint32_t> words = foldConstants(module, all);
-    const VkShaderModuleCreateInfo shaderInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, nullptr, 0,
-                                              words.size() * sizeof(uint32_t), words.data()};
+    const VkShaderModuleCreateInfo shaderInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, nullptr, 0, words.size() * sizeof(uint32_t),
+                                              words.data()};
     VK_CHECK(vk.vkCreateShaderModule(handle, &shaderInfo, nullptr, &discard.shader));
 
     std::vector<VkSpecializationMapEntry> entries;
@@ -447,21 +442,14 @@ Program DeviceImpl::make(const Module& module, const Specialization& constants) 
         entries.push_back({id, uint32_t(values.size() * 4), 4});
         values.push_back(value);
     }
-    const VkSpecializationInfo specialization{uint32_t(entries.size()), entries.data(), values.size() * 4,
-                                              values.data()};
+    const VkSpecializationInfo specialization{uint32_t(entries.size()), entries.data(), values.size() * 4, values.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                  nullptr,
-                  0,
-                  VK_SHADER_STAGE_COMPUTE_BIT,
-                  discard.shader,
-                  "main",
+    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, discard.shader, "main",
                   entries.empty() ? nullptr : &specialization};
     info.layout = program.layout;
     const VkResult result = vk.vkCreateComputePipelines(handle, pipelineCache, 1, &info, nullptr, &program.pipeline);
     if (result != VK_SUCCESS)
-        throw renderError(
-            fmt::format("{}: the driver could not compile the module: {}", module.name, resultName(result)));
+        throw renderError(fmt::format("{}: the driver could not compile the module: {}", module.name, resultName(result)));
     discard.done = true;
     return program;
 }

@@ -19,18 +19,19 @@ enum class TexelType : uint32_t { none, floating, unsignedInt, signedInt };
 struct ReflectedBinding {
     uint32_t binding = 0;
     BindingKind kind = BindingKind::storage;
-    uint32_t strideBytes = 0;          // of the runtime array's element; 0 for texel buffers
+    uint32_t strideBytes = 0;  // of the runtime array's element; 0 for texel buffers
     TexelType texel = TexelType::none;
-    std::string name;                  // of the texel buffer, or of the block
+    std::string name;  // of the texel buffer, or of the block
     bool readonly = false, writeonly = false;
 };
 
 struct Reflection {
     std::vector<ReflectedBinding> bindings;  // sorted by binding number; set 0 only
     uint32_t pushConstantBytes = 0;
-    uint32_t localSize[3] = {1, 1, 1};       // default; a LocalSizeId is resolved against the constants given
-    std::vector<uint32_t> specializationIds; // sorted
-    std::vector<std::string> specializationNames; // of the same constants; kLocalSizeX, Y, Z for local_size_x_id, ...; empty where the module has no names
+    uint32_t localSize[3] = {1, 1, 1};        // default; a LocalSizeId is resolved against the constants given
+    std::vector<uint32_t> specializationIds;  // sorted
+    std::vector<std::string>
+        specializationNames;  // of the same constants; kLocalSizeX, Y, Z for local_size_x_id, ...; empty where the module has no names
 };
 
 // The values of a module's constants by constant_id: what Vulkan takes.

@@ -4,16 +4,16 @@
 #include "host/vulkan.h"
 #include "shared/status.h"
 
-#include <cstdint>
 #include <fmt/format.h>
+#include <cstdint>
 
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <fmt/ranges.h>
-#include <optional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -79,8 +79,7 @@ struct CheckedRange {
     uint64_t offset, range;
 };
 
-CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, const ReflectedBinding& want,
-                          const Binding& bound) {
+CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, const ReflectedBinding& want, const Binding& bound) {
     const auto refuse = [&](const std::string& what) {
         return renderError(fmt::format("{}: binding {} {}", module.name, want.name, what));
     };
@@ -88,11 +87,9 @@ CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, cons
     const bool storage = bound.view == View::storage;
     const ViewFormat format = viewFormat(bound.view);
     const BindingKind kind = storage ? BindingKind::storage : BindingKind::uniformTexel;
-    if (kind != want.kind)
-        throw refuse(fmt::format("is {} in GLSL and {} in C++", kindText(want.kind), kindText(kind)));
+    if (kind != want.kind) throw refuse(fmt::format("is {} in GLSL and {} in C++", kindText(want.kind), kindText(kind)));
     if (storage && bound.elementBytes != want.strideBytes)
-        throw refuse(
-            fmt::format("has elements of {} bytes in GLSL and {} in C++", want.strideBytes, bound.elementBytes));
+        throw refuse(fmt::format("has elements of {} bytes in GLSL and {} in C++", want.strideBytes, bound.elementBytes));
     if (!storage && format.type != want.texel)
         throw refuse(fmt::format("reads {} in GLSL and {} in C++", texelText(want.texel), texelText(format.type)));
     const uint64_t bytes = bound.buffer->bytes();
@@ -106,8 +103,8 @@ CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, cons
     uint64_t range = bound.range != 0 ? bound.range : bytes - bound.offset;
     if (storage) {
         if (range > limits.storageRangeBytes)
-            throw refuse(fmt::format("takes {} bytes of buffer '{}', the device allows {}", range,
-                                     bound.buffer->impl().name, limits.storageRangeBytes));
+            throw refuse(fmt::format("takes {} bytes of buffer '{}', the device allows {}", range, bound.buffer->impl().name,
+                                     limits.storageRangeBytes));
     } else {
         range -= range % format.bytes;
         if (range == 0) throw refuse(fmt::format("holds less than one texel of {} bytes", format.bytes));
@@ -153,7 +150,7 @@ struct RecorderImpl {
     std::vector<Command> recorded;
     uint32_t slots = 0;
     bool recording = false;
-    double apartMs = 0;  // watchdog of commands that run one by one; 0: they do not
+    double apartMs = 0;          // watchdog of commands that run one by one; 0: they do not
     uint32_t everyCommands = 0;  // 0: as many as there are
     double everyMs = 0;
     std::function<void()> between;
@@ -179,8 +176,8 @@ struct RecorderImpl {
 
 RecorderImpl::RecorderImpl(DeviceImpl& d) : device(d) {
     try {
-        const VkCommandPoolCreateInfo poolInfo{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, nullptr,
-                                               VK_COMMAND_POOL_CREATE_TRANSIENT_BIT, device.queueFamily};
+        const VkCommandPoolCreateInfo poolInfo{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, nullptr, VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
+                                               device.queueFamily};
         VK_CHECK(device.vk.vkCreateCommandPool(device.handle, &poolInfo, nullptr, &commandPool));
         const VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr, commandPool,
                                                VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1};
@@ -194,8 +191,7 @@ RecorderImpl::RecorderImpl(DeviceImpl& d) : device(d) {
 }
 
 RecorderImpl::~RecorderImpl() {
-    if (device.hung &&
-        device.vk.vkWaitForFences(device.handle, 1, &fence, VK_TRUE, uint64_t(kGraceMs * 1e6)) == VK_SUCCESS)
+    if (device.hung && device.vk.vkWaitForFences(device.handle, 1, &fence, VK_TRUE, uint64_t(kGraceMs * 1e6)) == VK_SUCCESS)
         device.hung = false;
     if (!device.hung) destroy();
 }
@@ -219,8 +215,8 @@ void RecorderImpl::checkLabel(const char* label) const {
 void RecorderImpl::begin() {
     if (device.hung) throw renderError("the device is still busy with work that ran into the watchdog");
     if (recording) return;
-    const VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr,
-                                        VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
+    const VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+                                        nullptr};
     VK_CHECK(device.vk.vkBeginCommandBuffer(commands, &info));
     recording = true;
 }
@@ -228,14 +224,13 @@ void RecorderImpl::begin() {
 // A full barrier to what came before, and the first time stamp.
 void RecorderImpl::beginCommand() {
     if (!recorded.empty()) {
-        const VkMemoryBarrier barrier{
-            VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
-            VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
-                VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
+        const VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
+                                      VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                                          VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
         device.vk.vkCmdPipelineBarrier(
             commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
-            VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
-            0, 1, &barrier, 0, nullptr, 0, nullptr);
+            VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT, 0, 1, &barrier, 0,
+            nullptr, 0, nullptr);
     }
     if (device.limits.timestampPeriodNs == 0) return;
     const uint32_t query = uint32_t(recorded.size()) * 2;
@@ -257,8 +252,8 @@ void RecorderImpl::beginCommand() {
 void RecorderImpl::endCommand(Command command) {
     if (device.limits.timestampPeriodNs != 0) {
         const uint32_t query = uint32_t(recorded.size()) * 2 + 1;
-        device.vk.vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT,
-                                      queryPools[query / kQueriesPerPool], query % kQueriesPerPool);
+        device.vk.vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queryPools[query / kQueriesPerPool],
+                                      query % kQueriesPerPool);
     }
     recorded.push_back(std::move(command));
 }
@@ -270,14 +265,13 @@ VkDescriptorSet RecorderImpl::allocateSet(VkDescriptorSetLayout layout, uint32_t
             const uint32_t each = kSetsPerPool * std::max(kDescriptorsPerSet, descriptors);
             const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, each},
                                                   {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, each}};
-            const VkDescriptorPoolCreateInfo info{
-                VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, nullptr, 0, kSetsPerPool, 2, sizes};
+            const VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, nullptr, 0, kSetsPerPool, 2, sizes};
             VkDescriptorPool pool;
             VK_CHECK(device.vk.vkCreateDescriptorPool(device.handle, &info, nullptr, &pool));
             descriptorPools.push_back(pool);
         }
-        const VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr,
-                                               descriptorPools[descriptorPool], 1, &layout};
+        const VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, descriptorPools[descriptorPool], 1,
+                                               &layout};
         VkDescriptorSet set;
         const VkResult result = device.vk.vkAllocateDescriptorSets(device.handle, &info, &set);
         if (result == VK_SUCCESS) return set;
@@ -293,8 +287,7 @@ void RecorderImpl::empty() {
     descriptorPool = 0;
     recording = false;
     VK_CHECK(device.vk.vkResetCommandPool(device.handle, commandPool, 0));
-    for (const VkDescriptorPool pool : descriptorPools)
-        VK_CHECK(device.vk.vkResetDescriptorPool(device.handle, pool, 0));
+    for (const VkDescriptorPool pool : descriptorPools) VK_CHECK(device.vk.vkResetDescriptorPool(device.handle, pool, 0));
     VK_CHECK(device.vk.vkResetFences(device.handle, 1, &fence));
 }
 
@@ -303,17 +296,15 @@ void RecorderImpl::check() const {
         if (!command.counted) continue;
         const gpu::StatusSlot& slot = status(command.slot);
         if (slot.fault & gpu::kFaultLoop)
-            throw LoopBudgetError(
-                fmt::format("{}: a loop stopped before its end (loop budget of the device)", command.label));
+            throw LoopBudgetError(fmt::format("{}: a loop stopped before its end (loop budget of the device)", command.label));
         if (slot.fault & gpu::kFaultRange)
             throw renderError(fmt::format("{}: a value left the range that its contract states", command.label));
         if (slot.fault != 0) throw renderError(fmt::format("{}: fault {:#x}", command.label, slot.fault));
         if (slot.finished < command.groups)
-            throw renderError(fmt::format("{}: {} of {} workgroups did not finish", command.label,
-                                          command.groups - slot.finished, command.groups));
+            throw renderError(
+                fmt::format("{}: {} of {} workgroups did not finish", command.label, command.groups - slot.finished, command.groups));
         if (slot.finished > command.groups)
-            throw renderError(fmt::format("{}: {} workgroups finished, {} were asked for", command.label, slot.finished,
-                                          command.groups));
+            throw renderError(fmt::format("{}: {} workgroups finished, {} were asked for", command.label, slot.finished, command.groups));
     }
 }
 
@@ -334,12 +325,11 @@ void RecorderImpl::addTimes(double hostMs) {
     const uint64_t mask = device.timestampBits >= 64 ? ~uint64_t(0) : (uint64_t(1) << device.timestampBits) - 1;
     for (size_t first = 0; first < recorded.size(); first += kQueriesPerPool / 2) {
         const size_t count = std::min<size_t>(recorded.size() - first, kQueriesPerPool / 2);
-        VK_CHECK(device.vk.vkGetQueryPoolResults(device.handle, queryPools[first * 2 / kQueriesPerPool], 0,
-                                                 uint32_t(count * 2), count * 16, stamps.data(), 8,
-                                                 VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
+        VK_CHECK(device.vk.vkGetQueryPoolResults(device.handle, queryPools[first * 2 / kQueriesPerPool], 0, uint32_t(count * 2), count * 16,
+                                                 stamps.data(), 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
         for (size_t i = 0; i < count; ++i)
-            addTime(recorded[first + i].label,
-                    double((stamps[2 * i + 1] - stamps[2 * i]) & mask) * device.limits.timestampPeriodNs * 1e-6, 1);
+            addTime(recorded[first + i].label, double((stamps[2 * i + 1] - stamps[2 * i]) & mask) * device.limits.timestampPeriodNs * 1e-6,
+                    1);
     }
 }
 
@@ -349,16 +339,16 @@ Recorder::Recorder(Recorder&&) noexcept = default;
 
 void Recorder::prepare(const Module& module, const Specialization& constants) { impl_->device.prepare(module, constants); }
 
-void Recorder::record(const char* label, const Module& module, uint64_t items, void* push, size_t pushBytes,
-                      std::span<const Binding> given, const Specialization& constants) {
+void Recorder::record(const char* label, const Module& module, uint64_t items, void* push, size_t pushBytes, std::span<const Binding> given,
+                      const Specialization& constants) {
     RecorderImpl& r = *impl_;
     r.checkLabel(label);
     DeviceImpl& device = r.device;
     Program& program = device.program(module, constants);
     const Reflection& reflection = program.reflection;
     if (pushBytes != reflection.pushConstantBytes)
-        throw renderError(fmt::format("{}: the push block has {} bytes in GLSL and {} in C++", module.name,
-                                      reflection.pushConstantBytes, pushBytes));
+        throw renderError(
+            fmt::format("{}: the push block has {} bytes in GLSL and {} in C++", module.name, reflection.pushConstantBytes, pushBytes));
     const std::vector<const Binding*> bindings = ordered(module, reflection, given);
     std::vector<CheckedRange> ranges;
     for (size_t i = 0; i < bindings.size(); ++i)
@@ -368,10 +358,10 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     const uint64_t rows = (groups - 1) / std::max<uint64_t>(device.limits.groupCount[0], 1) + 1;
     const uint64_t columns = (groups - 1) / rows + 1;
     // Items are numbered in 32 bits, and the spare groups of the last row must not wrap.
-    if (items > UINT32_MAX || rows * columns * reflection.localSize[0] > UINT32_MAX ||
-        columns > device.limits.groupCount[0] || rows > device.limits.groupCount[1])
-        throw renderError(fmt::format("{}: {} items are {} workgroups, the device allows {} x {}", module.name, items,
-                                      groups, device.limits.groupCount[0], device.limits.groupCount[1]));
+    if (items > UINT32_MAX || rows * columns * reflection.localSize[0] > UINT32_MAX || columns > device.limits.groupCount[0] ||
+        rows > device.limits.groupCount[1])
+        throw renderError(fmt::format("{}: {} items are {} workgroups, the device allows {} x {}", module.name, items, groups,
+                                      device.limits.groupCount[0], device.limits.groupCount[1]));
 
     if (r.slots / kSlotsPerBuffer == r.statusBuffers.size())
         r.statusBuffers.emplace_back(device.memory, kSlotsPerBuffer * sizeof(gpu::StatusSlot), "status");
@@ -389,14 +379,13 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     for (uint32_t b = 0; b < reflection.bindings.size(); ++b) {
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, nullptr, set, b, 0, 1};
         if (reflection.bindings[b].kind == BindingKind::storage) {
-            if (b > 0)
-                buffers[b] = {bindings[b - 1]->buffer->impl().block->buffer, ranges[b - 1].offset, ranges[b - 1].range};
+            if (b > 0) buffers[b] = {bindings[b - 1]->buffer->impl().block->buffer, ranges[b - 1].offset, ranges[b - 1].range};
             write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
             write.pBufferInfo = &buffers[b];
         } else {
             const Binding& bound = *bindings[b - 1];
-            views[b] = device.memory->view(*bound.buffer->impl().block, viewFormat(bound.view).format,
-                                           ranges[b - 1].offset, ranges[b - 1].range);
+            views[b] =
+                device.memory->view(*bound.buffer->impl().block, viewFormat(bound.view).format, ranges[b - 1].offset, ranges[b - 1].range);
             write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
             write.pTexelBufferView = &views[b];
         }
@@ -406,8 +395,7 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
 
     r.beginCommand();
     device.vk.vkCmdBindPipeline(r.commands, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline);
-    device.vk.vkCmdBindDescriptorSets(r.commands, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout, 0, 1, &set, 0,
-                                      nullptr);
+    device.vk.vkCmdBindDescriptorSets(r.commands, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout, 0, 1, &set, 0, nullptr);
     device.vk.vkCmdPushConstants(r.commands, program.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, uint32_t(pushBytes), push);
     device.vk.vkCmdDispatch(r.commands, uint32_t(columns), uint32_t(rows), 1);
     r.endCommand({label, true, r.slots, uint32_t(columns * rows)});
@@ -420,9 +408,8 @@ void Recorder::fill(const char* label, const RawBuffer& buffer, uint32_t word, u
     if (!buffer) throw renderError(fmt::format("{}: no buffer to fill", label));
     const uint64_t all = buffer.bytes() & ~uint64_t(3);
     if (offset % 4 != 0 || bytes % 4 != 0 || offset > all || bytes > all - offset)
-        throw renderError(
-            fmt::format("{}: {} bytes from byte {} of buffer '{}', which has {}, cannot be filled by words", label,
-                        bytes, offset, buffer.impl().name, buffer.bytes()));
+        throw renderError(fmt::format("{}: {} bytes from byte {} of buffer '{}', which has {}, cannot be filled by words", label, bytes,
+                                      offset, buffer.impl().name, buffer.bytes()));
     const uint64_t range = bytes != 0 ? bytes : all - offset;
     if (range == 0) return;
     RecorderImpl& r = *impl_;
@@ -434,8 +421,7 @@ void Recorder::fill(const char* label, const RawBuffer& buffer, uint32_t word, u
 }
 
 void RecorderImpl::submitAndWait(double watchdogMs) {
-    const VkMemoryBarrier toHost{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr,
-                                 VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
+    const VkMemoryBarrier toHost{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
                                  VK_ACCESS_HOST_READ_BIT | VK_ACCESS_HOST_WRITE_BIT};
     device.vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
                                    VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &toHost, 0, nullptr, 0, nullptr);
@@ -445,11 +431,9 @@ void RecorderImpl::submitAndWait(double watchdogMs) {
     const double timeoutNs = std::clamp(watchdogMs * 1e6, 0.0, 1e18);
     const VkResult waited = device.vk.vkWaitForFences(device.handle, 1, &fence, VK_TRUE, uint64_t(timeoutNs));
     if (waited == VK_SUCCESS) return;
-    const std::string what =
-        recorded.front().label + (recorded.size() > 1 ? fmt::format(" and {} more", recorded.size() - 1) : "");
+    const std::string what = recorded.front().label + (recorded.size() > 1 ? fmt::format(" and {} more", recorded.size() - 1) : "");
     device.hung = waited == VK_TIMEOUT;
-    if (device.hung)
-        throw renderError(fmt::format("{}: the device did not finish within {:.0f} ms (watchdog)", what, watchdogMs));
+    if (device.hung) throw renderError(fmt::format("{}: the device did not finish within {:.0f} ms (watchdog)", what, watchdogMs));
     throw renderError(fmt::format("{}: {} while waiting for the device", what, resultName(waited)));
 }
 

@@ -43,8 +43,8 @@ inline Binding texels(const char* name, const RawBuffer& buffer, View view, uint
 }
 
 struct PassTime {
-    std::string pass;      // label given to dispatch(); equal labels of one frame are added up
-    double ms = 0;         // device time stamps; host time when the device has none
+    std::string pass;  // label given to dispatch(); equal labels of one frame are added up
+    double ms = 0;     // device time stamps; host time when the device has none
     uint32_t dispatches = 0;
 };
 
@@ -94,8 +94,8 @@ public:
     std::vector<PassTime> takeTimes();
 
 private:
-    void record(const char* label, const Module& module, uint64_t items, void* push, size_t pushBytes,
-                std::span<const Binding> bindings, const Specialization& constants);
+    void record(const char* label, const Module& module, uint64_t items, void* push, size_t pushBytes, std::span<const Binding> bindings,
+                const Specialization& constants);
     void runWhenDue();
     std::unique_ptr<RecorderImpl> impl_;
 };

@@ -5,14 +5,14 @@
 #include "host/recorder.h"
 #include "host/vulkan.h"
 
-#include <algorithm>
-#include <cstdint>
 #include <spirv/canary.h>
 #include <spirv/selftest.h>
+#include <algorithm>
+#include <cstdint>
 
 #include <fmt/core.h>
-#include <string_view>
 #include <unistd.h>
+#include <string_view>
 
 #include <cfloat>
 #include <chrono>
@@ -63,16 +63,12 @@ void runCanaries(Device& device, Recorder& recorder, SelfTest& verdict) {
     for (uint32_t lane = 0; lane < gpu::kCanaryLanes; ++lane) {
         // Where lavapipe cuts a loop its variables disagree by one iteration; the state says how many really ran.
         uint32_t state = lane, done = 0;
-        while (done < gpu::kCanaryIterations && (done == 0 || state != got[lane].state))
-            state = gpu::nextState(state), ++done;
+        while (done < gpu::kCanaryIterations && (done == 0 || state != got[lane].state)) state = gpu::nextState(state), ++done;
         if (state != got[lane].state || done + 1 < got[lane].iterations || got[lane].iterations < done)
-            throw renderError(
-                fmt::format("lane {} of the canary counts {} iterations, but its state {:#x} is not theirs", lane,
-                            got[lane].iterations, got[lane].state));
-        if (done < gpu::kCanaryIterations)
-            verdict.loopLimit = verdict.loopLimit == 0 ? done : std::min(verdict.loopLimit, done);
-        const float x = gpu::canaryOperand(lane, gpu::kCanaryIterations),
-                    y = gpu::canaryOperand(lane, gpu::kCanaryIterations * 7u);
+            throw renderError(fmt::format("lane {} of the canary counts {} iterations, but its state {:#x} is not theirs", lane,
+                                          got[lane].iterations, got[lane].state));
+        if (done < gpu::kCanaryIterations) verdict.loopLimit = verdict.loopLimit == 0 ? done : std::min(verdict.loopLimit, done);
+        const float x = gpu::canaryOperand(lane, gpu::kCanaryIterations), y = gpu::canaryOperand(lane, gpu::kCanaryIterations * 7u);
         if (!sameFloat(got[lane].sum, x + y) || !sameFloat(got[lane].product, x * y)) verdict.exactAddMul = false;
         divide = divide && sameFloat(got[lane].quotient, x / y);
         root = root && sameFloat(got[lane].root, std::sqrt(x));
@@ -95,17 +91,14 @@ SelfTest runVectors(Device& device, Recorder& recorder) {
 }
 
 std::filesystem::path cacheFolder() {
-    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg == '/')
-        return std::filesystem::path(xdg) / "plumbline";
-    if (const char* home = std::getenv("HOME"); home && *home == '/')
-        return std::filesystem::path(home) / ".cache" / "plumbline";
+    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg == '/') return std::filesystem::path(xdg) / "plumbline";
+    if (const char* home = std::getenv("HOME"); home && *home == '/') return std::filesystem::path(home) / ".cache" / "plumbline";
     return {};
 }
 
 std::string cacheKey(Device& device) {
     const DeviceInfo& info = device.info();
-    return fmt::format("{} {:x} {} | {} | {}", info.uuid, device.impl().driverVersion, spirv::selftest.sha256,
-                       info.name, info.driverInfo);
+    return fmt::format("{} {:x} {} | {} | {}", info.uuid, device.impl().driverVersion, spirv::selftest.sha256, info.name, info.driverInfo);
 }
 
 std::string readWhole(const std::filesystem::path& path) {
@@ -152,8 +145,7 @@ std::vector<gpu::SelfTestVector> selfTestVectors() {
     };
     const auto real = [&](uint32_t lowestExponent, uint32_t exponents) {
         const uint32_t bits = random();
-        return gpu::realOf(
-            int((bits & 0x80000000u) | (127u + lowestExponent + bits % exponents) << 23 | significand()));
+        return gpu::realOf(int((bits & 0x80000000u) | (127u + lowestExponent + bits % exponents) << 23 | significand()));
     };
     std::vector<gpu::SelfTestVector> vectors(gpu::kSelfTestVectors);
     for (uint32_t i = 0; i < vectors.size(); ++i) {
@@ -173,8 +165,7 @@ SelfTest judgeSelfTest(std::span<const gpu::SelfTestVector> vectors, std::span<c
     PLUMB_ASSERT(vectors.size() == answers.size());
     SelfTest verdict;
     verdict.exactAddMul = verdict.exactConversions = true;
-    verdict.nativeDivideIsExact = verdict.nativeRootIsExact = verdict.emulatedDivideIsExact =
-        verdict.emulatedRootIsExact = true;
+    verdict.nativeDivideIsExact = verdict.nativeRootIsExact = verdict.emulatedDivideIsExact = verdict.emulatedRootIsExact = true;
     for (size_t n = 0; n < vectors.size(); ++n) {
         const gpu::SelfTestVector& v = vectors[n];
         const gpu::SelfTestAnswer& a = answers[n];
@@ -182,15 +173,13 @@ SelfTest judgeSelfTest(std::span<const gpu::SelfTestVector> vectors, std::span<c
         const uint64_t unsignedProduct = uint64_t(v.i) * v.j;
         const int64_t signedProduct = int64_t(int32_t(v.i)) * int32_t(v.j);
         const float quotient = v.x / v.y, root = std::sqrt(std::abs(v.x));
-        verdict.exactAddMul = verdict.exactAddMul && sameFloat(a.sum, v.x + v.y) &&
-                              sameFloat(a.difference, v.x - v.y) && sameFloat(a.product, product) &&
-                              sameFloat(a.sumOfProducts, product + v.x);
-        verdict.exactConversions =
-            verdict.exactConversions && sameFloat(a.floatOfInt, float(int32_t(v.i))) &&
-            sameFloat(a.floatOfUint, float(v.i)) && a.intOfFloat == int32_t(v.converted) &&
-            a.uintOfFloat == uint32_t(std::abs(v.converted)) && a.unsignedHigh == uint32_t(unsignedProduct >> 32) &&
-            a.unsignedLow == uint32_t(unsignedProduct) && a.signedHigh == int32_t(signedProduct >> 32) &&
-            a.signedLow == int32_t(signedProduct);
+        verdict.exactAddMul = verdict.exactAddMul && sameFloat(a.sum, v.x + v.y) && sameFloat(a.difference, v.x - v.y) &&
+                              sameFloat(a.product, product) && sameFloat(a.sumOfProducts, product + v.x);
+        verdict.exactConversions = verdict.exactConversions && sameFloat(a.floatOfInt, float(int32_t(v.i))) &&
+                                   sameFloat(a.floatOfUint, float(v.i)) && a.intOfFloat == int32_t(v.converted) &&
+                                   a.uintOfFloat == uint32_t(std::abs(v.converted)) && a.unsignedHigh == uint32_t(unsignedProduct >> 32) &&
+                                   a.unsignedLow == uint32_t(unsignedProduct) && a.signedHigh == int32_t(signedProduct >> 32) &&
+                                   a.signedLow == int32_t(signedProduct);
         verdict.nativeDivideIsExact = verdict.nativeDivideIsExact && sameFloat(a.nativeQuotient, quotient);
         verdict.nativeRootIsExact = verdict.nativeRootIsExact && sameFloat(a.nativeRoot, root);
         verdict.emulatedDivideIsExact = verdict.emulatedDivideIsExact && sameFloat(a.emulatedQuotient, quotient);
@@ -202,9 +191,8 @@ SelfTest judgeSelfTest(std::span<const gpu::SelfTestVector> vectors, std::span<c
 
 std::string selfTestCacheText(const SelfTest& verdict, const std::string& key) {
     const std::string body =
-        fmt::format("plumbline self-test 1\n{}\n{:d} {:d} {:d} {:d} {:d} {:d}\n", key, verdict.exactAddMul,
-                    verdict.exactConversions, verdict.nativeDivideIsExact, verdict.nativeRootIsExact,
-                    verdict.emulatedDivideIsExact, verdict.emulatedRootIsExact);
+        fmt::format("plumbline self-test 1\n{}\n{:d} {:d} {:d} {:d} {:d} {:d}\n", key, verdict.exactAddMul, verdict.exactConversions,
+                    verdict.nativeDivideIsExact, verdict.nativeRootIsExact, verdict.emulatedDivideIsExact, verdict.emulatedRootIsExact);
     return body + fmt::format("{:016x}\n", fnv1a(body));
 }
 
@@ -235,8 +223,7 @@ SelfTest runSelfTest(Device& device) {
         const SelfTest before = verdict;
         runCanaries(device, recorder, verdict);
         // A canary that contradicts the stored verdict: the machine has changed under the key.
-        cached = verdict.exactAddMul == before.exactAddMul &&
-                 verdict.nativeDivideIsExact == before.nativeDivideIsExact &&
+        cached = verdict.exactAddMul == before.exactAddMul && verdict.nativeDivideIsExact == before.nativeDivideIsExact &&
                  verdict.nativeRootIsExact == before.nativeRootIsExact;
     }
     if (!cached) {

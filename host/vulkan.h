@@ -9,8 +9,8 @@
 #include "host/program.h"
 #include "host/recorder.h"
 
-#include <cstdint>
 #include <volk.h>
+#include <cstdint>
 
 #include <future>
 #include <list>
@@ -77,8 +77,8 @@ struct Block {
 // cost a page fault each.
 class MemoryPool {
 public:
-    MemoryPool(VkDevice device, const VolkDeviceTable& vk, const VkPhysicalDeviceMemoryProperties& types,
-               uint64_t allocationBytes, uint64_t budgetBytes);
+    MemoryPool(VkDevice device, const VolkDeviceTable& vk, const VkPhysicalDeviceMemoryProperties& types, uint64_t allocationBytes,
+               uint64_t budgetBytes);
     ~MemoryPool();
     Block* take(uint64_t bytes, const char* name);
     void give(Block* block);
@@ -112,10 +112,7 @@ struct BufferImpl {
     BufferImpl(std::shared_ptr<MemoryPool> from, uint64_t size, const char* called)
         : pool(std::move(from)), bytes(size), name(called), block(pool->take(size, called)) {}
     BufferImpl(BufferImpl&& other) noexcept
-        : pool(std::move(other.pool)),
-          bytes(other.bytes),
-          name(std::move(other.name)),
-          block(std::exchange(other.block, nullptr)) {}
+        : pool(std::move(other.pool)), bytes(other.bytes), name(std::move(other.name)), block(std::exchange(other.block, nullptr)) {}
     BufferImpl& operator=(BufferImpl&&) = delete;
     ~BufferImpl() {
         if (block) pool->give(block);
@@ -142,7 +139,7 @@ struct DeviceImpl {
     VkDevice handle = VK_NULL_HANDLE;
     VolkDeviceTable vk{};
     uint32_t queueFamily = 0;
-    bool queueDraws = false;         // the queue has the graphics pipeline too
+    bool queueDraws = false;  // the queue has the graphics pipeline too
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t timestampBits = 0;
     uint32_t driverVersion = 0;

@@ -10,13 +10,13 @@ layout(local_size_x = 64) in;
 
 layout(constant_id = 2) const bool kStrips = false;
 layout(constant_id = 3) const bool kListed = false;
-layout(constant_id = 4) const bool kWide = false;                 // some triangle needs the 64-bit set-up
+layout(constant_id = 4) const bool kWide = false;  // some triangle needs the 64-bit set-up
 
 layout(push_constant, scalar) uniform Push { BinPush push; };
 layout(binding = 1) uniform usamplerBuffer draws;
 layout(binding = 2) uniform usamplerBuffer screen;
-layout(binding = 3) uniform usamplerBuffer items;                 // kStrips: strips; kListed: places in draws
-layout(binding = 4, scalar) buffer Tiles { uint tiles[]; };       // counts
+layout(binding = 3) uniform usamplerBuffer items;            // kStrips: strips; kListed: places in draws
+layout(binding = 4, scalar) buffer Tiles { uint tiles[]; };  // counts
 layout(binding = 5, scalar) writeonly buffer Entries { uint entries[]; };
 layout(binding = 6, scalar) writeonly buffer Spills { uint spills[]; };
 

@@ -3,15 +3,16 @@
 // that is a tree whose order of factors is the chain's.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-layout(local_size_x_id = 3) in;         // few invocations are spread over the device's processors in small workgroups
+layout(local_size_x_id = 3) in;  // few invocations are spread over the device's processors in small workgroups
 #include "shared/status.h"
 #include "shared/product.h"
 
-layout(constant_id = 2) const bool kMultiplies = true;   // false: sums instead of products; what loading costs by itself
-layout(constant_id = 4) const uint kPerLane = 5u;        // perLane, or 5 where it is more: a pairwise tree has one product an invocation and no loop
+layout(constant_id = 2) const bool kMultiplies = true;  // false: sums instead of products; what loading costs by itself
+layout(constant_id = 4) const uint kPerLane =
+    5u;  // perLane, or 5 where it is more: a pairwise tree has one product an invocation and no loop
 
 layout(push_constant, scalar) uniform Push { ChainPush push; };
-layout(binding = 1) uniform samplerBuffer factors;                        // four texels a matrix
+layout(binding = 1) uniform samplerBuffer factors;  // four texels a matrix
 layout(binding = 2, scalar) writeonly buffer Products { Rows products[]; };
 
 Rows times(Rows product, uint i) {

@@ -9,8 +9,8 @@ Int encode(Real x) {
     } else {
         Real clamped = clampUnit(x);
         Int bucket = encodeBucket(clamped);
-        Int word = Int(texelFetch(encodeTable, bucket.x).x, texelFetch(encodeTable, bucket.y).x,
-                       texelFetch(encodeTable, bucket.z).x, texelFetch(encodeTable, bucket.w).x);
+        Int word = Int(texelFetch(encodeTable, bucket.x).x, texelFetch(encodeTable, bucket.y).x, texelFetch(encodeTable, bucket.z).x,
+                       texelFetch(encodeTable, bucket.w).x);
         code = encodeInBucket(clamped, word);
     }
     return code;

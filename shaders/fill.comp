@@ -18,25 +18,25 @@ layout(local_size_x = 64) in;
 #endif
 #include "edges.glsl"
 
-layout(constant_id = 2) const uint kShading = 3u;         // kShadingUnlit ... kShadingPhong
+layout(constant_id = 2) const uint kShading = 3u;  // kShadingUnlit ... kShadingPhong
 layout(constant_id = 3) const bool kDiffuse = true;
 layout(constant_id = 4) const bool kSpecular = true;
 layout(constant_id = 5) const bool kPointLights = true;
 layout(constant_id = 6) const bool kOneMaterial = false;
-layout(constant_id = 7) const uint kLightCount = 0u;      // 1 to kUnrolledLights: known, and unrolled; 0: as push.lightCount says
+layout(constant_id = 7) const uint kLightCount = 0u;  // 1 to kUnrolledLights: known, and unrolled; 0: as push.lightCount says
 layout(constant_id = 8) const uint kEncoding = 0u;
-layout(constant_id = 9) const uint kPlanes = 0u;          // kFillPlane bits that the plane buffer holds
-layout(constant_id = 10) const bool kPrior = false;       // planes hold what earlier chunks and slices drew
-layout(constant_id = 11) const bool kWide = false;        // some triangle of the chunk needs the 64-bit set-up
-layout(constant_id = 12) const bool kColour = true;       // write the encoded pixel
-layout(constant_id = 13) const uint kWrite = 0u;          // of kPlanes: to write
+layout(constant_id = 9) const uint kPlanes = 0u;     // kFillPlane bits that the plane buffer holds
+layout(constant_id = 10) const bool kPrior = false;  // planes hold what earlier chunks and slices drew
+layout(constant_id = 11) const bool kWide = false;   // some triangle of the chunk needs the 64-bit set-up
+layout(constant_id = 12) const bool kColour = true;  // write the encoded pixel
+layout(constant_id = 13) const uint kWrite = 0u;     // of kPlanes: to write
 #ifdef PLUMB_SHUFFLE
-layout(constant_id = 14) const uint kSubgroupSize = 8u;   // 8, 16, 32 or 64: clusters of 8 share a tile
+layout(constant_id = 14) const uint kSubgroupSize = 8u;  // 8, 16, 32 or 64: clusters of 8 share a tile
 #endif
 
-layout(constant_id = 15) const uint kPower = 0u;          // kPowerExact or kPowerSchlick
-layout(constant_id = 16) const bool kAffine = false;      // attributes without perspective
-layout(constant_id = 17) const uint kDepthBits = 32u;     // 32: float; 33: float of 1 - n/w; else fixed point
+layout(constant_id = 15) const uint kPower = 0u;       // kPowerExact or kPowerSchlick
+layout(constant_id = 16) const bool kAffine = false;   // attributes without perspective
+layout(constant_id = 17) const uint kDepthBits = 32u;  // 32: float; 33: float of 1 - n/w; else fixed point
 layout(constant_id = 18) const bool kDistantViewer = false;
 layout(constant_id = 20) const bool kUnitNormals = true;  // false: as interpolated
 layout(constant_id = 21) const bool kCoarse = false;      // one shaded pixel in 2 x 2
@@ -46,8 +46,8 @@ layout(constant_id = 24) const uint kLightKinds = 0u;     // with kLightCount: a
 layout(push_constant, scalar) uniform Push { FillPush push; };
 layout(binding = 1) uniform usamplerBuffer draws;
 layout(binding = 2) uniform usamplerBuffer screen;
-layout(binding = 3) uniform samplerBuffer carried;        // normals, or colours of vertices or faces
-layout(binding = 4) uniform usamplerBuffer tileRecords;   // tile x | y << 16, first entry, entries
+layout(binding = 3) uniform samplerBuffer carried;       // normals, or colours of vertices or faces
+layout(binding = 4) uniform usamplerBuffer tileRecords;  // tile x | y << 16, first entry, entries
 layout(binding = 5) uniform usamplerBuffer entries;
 layout(binding = 6) uniform usamplerBuffer triangleMaterials;  // per triangle of the chunk: material, or face when flat
 layout(binding = 7) uniform samplerBuffer materials;
@@ -56,11 +56,11 @@ layout(binding = 9) uniform usamplerBuffer encodeTable;
 layout(binding = 10, scalar) buffer Colours { uvec4 colours[]; };
 layout(binding = 11, scalar) buffer Planes { uvec4 planes[]; };
 
-#ifdef PLUMB_VECTORS   // directions of faces or vertices; by choice only
-layout(constant_id = 30) const uint kVectors = 1u;        // kVectorsFace or kVectorsVertex
-layout(binding = 12) uniform samplerBuffer places;        // of each triangle of the chunk: its face's centre, relative to the eye
-Toward towardEye[4];                                      // of each row of pixels
-Toward towardLamp[kUnrolledLights * 4u];                  // 4 light + row
+#ifdef PLUMB_VECTORS                                // directions of faces or vertices; by choice only
+layout(constant_id = 30) const uint kVectors = 1u;  // kVectorsFace or kVectorsVertex
+layout(binding = 12) uniform samplerBuffer places;  // of each triangle of the chunk: its face's centre, relative to the eye
+Toward towardEye[4];                                // of each row of pixels
+Toward towardLamp[kUnrolledLights * 4u];            // 4 light + row
 
 // Those of one triangle, corners in components 0 to 2 or all alike, to the pixels that show it.
 void carryVector(inout Toward to, Toward from, Shares s, bvec4 here) {
@@ -78,8 +78,10 @@ const uint kSlotNormal = kSlotLinear + ((kPlanes & kFillPlaneLinear) != 0u ? 3u 
 const uint kSlotSum = kSlotNormal + ((kPlanes & kFillPlaneNormal) != 0u ? 3u : 0u);
 
 void edgesAt(ivec2 centre, ivec2 p0, ivec2 p1, ivec2 p2, out Edges e) {
-    if (kWide) wideEdges(p0 - centre, p1 - centre, p2 - centre, e);
-    else narrowEdges(p0 - centre, p1 - centre, p2 - centre, e);
+    if (kWide)
+        wideEdges(p0 - centre, p1 - centre, p2 - centre, e);
+    else
+        narrowEdges(p0 - centre, p1 - centre, p2 - centre, e);
 }
 
 // e rounded once, at 4 pixels (x .. x + 3, y) from the block's corner.
@@ -96,7 +98,7 @@ vec4 edgeReal(int hi, int lo, int a, int b, int y) {
 #include "encode.glsl"
 
 #ifdef PLUMB_SHUFFLE
-uint clusterMax(uint v) {   // over the subgroup, so that loops over it are uniform
+uint clusterMax(uint v) {  // over the subgroup, so that loops over it are uniform
     v = max(v, subgroupShuffleXor(v, 1u));
     v = max(v, subgroupShuffleXor(v, 2u));
     v = max(v, subgroupShuffleXor(v, 4u));
@@ -105,7 +107,7 @@ uint clusterMax(uint v) {   // over the subgroup, so that loops over it are unif
     if (kSubgroupSize > 32u) v = max(v, subgroupShuffleXor(v, 32u));
     return v;
 }
-int tileMax(int v) {        // over the eight invocations of a tile
+int tileMax(int v) {  // over the eight invocations of a tile
     v = max(v, subgroupShuffleXor(v, 1u));
     v = max(v, subgroupShuffleXor(v, 2u));
     return max(v, subgroupShuffleXor(v, 4u));
@@ -210,78 +212,78 @@ void main() {
         drawAlone(alone, centre);
     } else {
 #ifdef PLUMB_SHUFFLE
-    // Eight triangles at a time, set up one a lane; each lane then walks those that touch its own 4 x 4 pixels. A lane that has
-    // none left repeats one: harmless, because a triangle drawn twice changes nothing.
-    ivec2 tileCentre = (corner + ivec2(0, push.firstRow)) * kSubpixels + kHalfPixel;
-    uint longest = clusterMax(uint(count));
-    int hiddenBelow = 0;
-    uint k = 0u;
-    do {
-        // A triangle that covers the whole tile is nowhere further than its own lowest z, and none is nearer than its own highest:
-        // both are bounds of the depth itself, so what lies behind is left out without changing a bit. Eight that are all left out, in all
-        // tiles of the subgroup, cost no pixels.
-        int draw;
-        uvec4 v0, v1, v2;
-        Edges e;
-        bool seen;
-        bool anySeen;
+        // Eight triangles at a time, set up one a lane; each lane then walks those that touch its own 4 x 4 pixels. A lane that has
+        // none left repeats one: harmless, because a triangle drawn twice changes nothing.
+        ivec2 tileCentre = (corner + ivec2(0, push.firstRow)) * kSubpixels + kHalfPixel;
+        uint longest = clusterMax(uint(count));
+        int hiddenBelow = 0;
+        uint k = 0u;
         do {
-            draw = int(texelFetch(entries, first + min(int(k) + lane, count - 1)).x);
-            uvec4 d = texelFetch(draws, draw);
-            v0 = texelFetch(screen, int(d.x));
-            v1 = texelFetch(screen, int(d.y));
-            v2 = texelFetch(screen, int(d.z));
-            edgesAt(tileCentre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), e);
-            ivec3 least = e.q + min(e.a, 0) * (kTileWidth - 1) + min(e.b, 0) * (kTileHeight - 1);
-            hiddenBelow = max(hiddenBelow, tileMax((least.x | least.y | least.z) >= 0 ? min(min(int(v0.z), int(v1.z)), int(v2.z)) : 0));
-            // Not with a coarser depth, in which what lies behind may tie and be the lower triangle.
-            seen = int(k) + lane < count && (kDepthBits != 32u || max(max(int(v0.z), int(v1.z)), int(v2.z)) >= hiddenBelow);
-            anySeen = clusterMax(seen ? 1u : 0u) != 0u;
-            k += 8u;
-        } while (!anySeen && k < longest);
-        DepthPlane depth = depthOf(v0, v1, v2, e);
-        ivec3 most = e.q + max(e.a, 0) * 3 + max(e.b, 0) * 3;
-        uint blocks = 0u;
-        [[unroll]] for (int i = 0; i < 8; ++i) {
-            ivec3 there = most + e.a * ((i & 3) * 4) + e.b * ((i >> 2) * 4);
-            blocks |= (there.x | there.y | there.z) >= 0 ? 1u << i : 0u;
-        }
-        if (!seen) blocks = 0u;
-        uint todo = 0u;
-        [[unroll]] for (uint i = 0u; i < 8u; ++i) todo |= ((subgroupShuffle(blocks, base | i) >> lane) & 1u) << i;
-        uint steps = clusterMax(uint(bitCount(todo)));
-        uint step = 0u;
-        do {
-            uint from = base | (lowestBit(todo | 128u) & 7u);
-            todo &= todo - 1u;
-            ivec3 a, b, q;
-            a.x = subgroupShuffle(e.a.x, from);
-            a.y = subgroupShuffle(e.a.y, from);
-            a.z = -a.x - a.y;
-            b.x = subgroupShuffle(e.b.x, from);
-            b.y = subgroupShuffle(e.b.y, from);
-            b.z = -b.x - b.y;
-            q.x = subgroupShuffle(e.q.x, from);
-            q.y = subgroupShuffle(e.q.y, from);
-            q.z = subgroupShuffle(e.q.z, from);
-            DepthPlane p;
-            p.k1 = subgroupShuffle(depth.k1, from);
-            p.k2 = subgroupShuffle(depth.k2, from);
-            p.zc = subgroupShuffle(depth.zc, from);
-            p.low = subgroupShuffle(depth.low, from);
-            p.high = subgroupShuffle(depth.high, from);
-            cover(q + a * inTile.x + b * inTile.y, a, b, ivec3(0), ivec3(0), p, subgroupShuffle(draw, from) + 1);
-            step++;
-        } while (step < steps);
-    } while (k < longest);
-    fault |= k < longest ? kFaultLoop : 0u;
+            // A triangle that covers the whole tile is nowhere further than its own lowest z, and none is nearer than its own highest:
+            // both are bounds of the depth itself, so what lies behind is left out without changing a bit. Eight that are all left out, in all
+            // tiles of the subgroup, cost no pixels.
+            int draw;
+            uvec4 v0, v1, v2;
+            Edges e;
+            bool seen;
+            bool anySeen;
+            do {
+                draw = int(texelFetch(entries, first + min(int(k) + lane, count - 1)).x);
+                uvec4 d = texelFetch(draws, draw);
+                v0 = texelFetch(screen, int(d.x));
+                v1 = texelFetch(screen, int(d.y));
+                v2 = texelFetch(screen, int(d.z));
+                edgesAt(tileCentre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), e);
+                ivec3 least = e.q + min(e.a, 0) * (kTileWidth - 1) + min(e.b, 0) * (kTileHeight - 1);
+                hiddenBelow = max(hiddenBelow, tileMax((least.x | least.y | least.z) >= 0 ? min(min(int(v0.z), int(v1.z)), int(v2.z)) : 0));
+                // Not with a coarser depth, in which what lies behind may tie and be the lower triangle.
+                seen = int(k) + lane < count && (kDepthBits != 32u || max(max(int(v0.z), int(v1.z)), int(v2.z)) >= hiddenBelow);
+                anySeen = clusterMax(seen ? 1u : 0u) != 0u;
+                k += 8u;
+            } while (!anySeen && k < longest);
+            DepthPlane depth = depthOf(v0, v1, v2, e);
+            ivec3 most = e.q + max(e.a, 0) * 3 + max(e.b, 0) * 3;
+            uint blocks = 0u;
+            [[unroll]] for (int i = 0; i < 8; ++i) {
+                ivec3 there = most + e.a * ((i & 3) * 4) + e.b * ((i >> 2) * 4);
+                blocks |= (there.x | there.y | there.z) >= 0 ? 1u << i : 0u;
+            }
+            if (!seen) blocks = 0u;
+            uint todo = 0u;
+            [[unroll]] for (uint i = 0u; i < 8u; ++i) todo |= ((subgroupShuffle(blocks, base | i) >> lane) & 1u) << i;
+            uint steps = clusterMax(uint(bitCount(todo)));
+            uint step = 0u;
+            do {
+                uint from = base | (lowestBit(todo | 128u) & 7u);
+                todo &= todo - 1u;
+                ivec3 a, b, q;
+                a.x = subgroupShuffle(e.a.x, from);
+                a.y = subgroupShuffle(e.a.y, from);
+                a.z = -a.x - a.y;
+                b.x = subgroupShuffle(e.b.x, from);
+                b.y = subgroupShuffle(e.b.y, from);
+                b.z = -b.x - b.y;
+                q.x = subgroupShuffle(e.q.x, from);
+                q.y = subgroupShuffle(e.q.y, from);
+                q.z = subgroupShuffle(e.q.z, from);
+                DepthPlane p;
+                p.k1 = subgroupShuffle(depth.k1, from);
+                p.k2 = subgroupShuffle(depth.k2, from);
+                p.zc = subgroupShuffle(depth.zc, from);
+                p.low = subgroupShuffle(depth.low, from);
+                p.high = subgroupShuffle(depth.high, from);
+                cover(q + a * inTile.x + b * inTile.y, a, b, ivec3(0), ivec3(0), p, subgroupShuffle(draw, from) + 1);
+                step++;
+            } while (step < steps);
+        } while (k < longest);
+        fault |= k < longest ? kFaultLoop : 0u;
 #else
-    int k = 0;
-    do {
-        drawAlone(int(texelFetch(entries, first + min(k, count - 1)).x), centre);
-        k++;
-    } while (k < count);
-    fault |= k < count ? kFaultLoop : 0u;
+        int k = 0;
+        do {
+            drawAlone(int(texelFetch(entries, first + min(k, count - 1)).x), centre);
+            k++;
+        } while (k < count);
+        fault |= k < count ? kFaultLoop : 0u;
 #endif
     }
 
@@ -333,13 +335,13 @@ void main() {
             uvec4 c0 = texelFetch(screen, int(d.x));
             uvec4 c1 = texelFetch(screen, int(d.y));
             uvec4 c2 = texelFetch(screen, int(d.z));
-            place = placeOfCorner(ivec4(c0.x, c1.x, c2.x, c2.x), ivec4(c0.y, c1.y, c2.y, c2.y), uintBitsToFloat(uvec4(c0.z, c1.z, c2.z, c2.z)),
-                                  push.near, push.rayOrigin, push.rayX, push.rayY);
+            place = placeOfCorner(ivec4(c0.x, c1.x, c2.x, c2.x), ivec4(c0.y, c1.y, c2.y, c2.y),
+                                  uintBitsToFloat(uvec4(c0.z, c1.z, c2.z, c2.z)), push.near, push.rayOrigin, push.rayX, push.rayY);
         }
         Toward eyeHere = eyeFrom(place);
         Toward lampsHere[kUnrolledLights];
-        [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i)
-            if (i < kLightCount) lampsHere[i] = lampFrom(lampPlaces[i], lampIntensities[i].w, place);
+        [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) if (i < kLightCount) lampsHere[i] =
+            lampFrom(lampPlaces[i], lampIntensities[i].w, place);
 #endif
         ivec4 below = ivec4(0);
         [[unroll]] for (int r = 0; r < 4; ++r) {
@@ -359,11 +361,11 @@ void main() {
                 if (kShading == kShadingGouraud || !kUnitNormals) weight[r] = mix(weight[r], weigh(w.x, w.y, w.z, g0, g1, g2), here);
             }
 #ifdef PLUMB_VECTORS
-            Shares shares = sharesOf(w.x, w.y, w.z, edgeReal(e.hi.x, e.lo.x, e.a.x, e.b.x, r) + rho.x, edgeReal(e.hi.y, e.lo.y, e.a.y, e.b.y, r) + rho.y,
-                                     edgeReal(e.hi.z, e.lo.z, e.a.z, e.b.z, r) + rho.z);
+            Shares shares = sharesOf(w.x, w.y, w.z, edgeReal(e.hi.x, e.lo.x, e.a.x, e.b.x, r) + rho.x,
+                                     edgeReal(e.hi.y, e.lo.y, e.a.y, e.b.y, r) + rho.y, edgeReal(e.hi.z, e.lo.z, e.a.z, e.b.z, r) + rho.z);
             if (kSpecular) carryVector(towardEye[r], eyeHere, shares, here);
-            [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i)
-                if (i < kLightCount && lampPlaces[i].w != 0.0) carryVector(towardLamp[4u * i + uint(r)], lampsHere[i], shares, here);
+            [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) if (i < kLightCount && lampPlaces[i].w != 0.0)
+                carryVector(towardLamp[4u * i + uint(r)], lampsHere[i], shares, here);
 #endif
             source[r] = mix(source[r], ivec4(d.w), here);
             material[r] = mix(material[r], ivec4(owner), here);

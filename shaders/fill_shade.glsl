@@ -3,7 +3,7 @@
 // Rows are unrolled where lights are constants, or none are needed; otherwise they go through one loop, each as a copy, because what the driver
 // makes of four loops over lights in one kernel is slower to make and to run (docs/decisions.md).
 
-const int kCopy = 4;                    // the row that a loop works on
+const int kCopy = 4;  // the row that a loop works on
 Colour unlit[5];
 Reflectance reflects[5];
 Surface surfaces[5];
@@ -86,9 +86,12 @@ Colour seeLit(int r, int row, Real x, Real share, ivec4 depth, inout Surface sur
     float y = float(pixel.y + row) + 0.5;
     Colour c = unlit[r];
     if ((kPlanes & kFillPlaneSum) != 0u && push.firstLight != 0u) c = sumBefore(row);
-    Real rx = kCoarse ? rayAtEach(push.rayOrigin.x, push.rayX.x, push.rayY.x, x, coarseY) : rayAt(push.rayOrigin.x, push.rayX.x, push.rayY.x, x, y);
-    Real ry = kCoarse ? rayAtEach(push.rayOrigin.y, push.rayX.y, push.rayY.y, x, coarseY) : rayAt(push.rayOrigin.y, push.rayX.y, push.rayY.y, x, y);
-    Real rz = kCoarse ? rayAtEach(push.rayOrigin.z, push.rayX.z, push.rayY.z, x, coarseY) : rayAt(push.rayOrigin.z, push.rayX.z, push.rayY.z, x, y);
+    Real rx = kCoarse ? rayAtEach(push.rayOrigin.x, push.rayX.x, push.rayY.x, x, coarseY)
+                      : rayAt(push.rayOrigin.x, push.rayX.x, push.rayY.x, x, y);
+    Real ry = kCoarse ? rayAtEach(push.rayOrigin.y, push.rayX.y, push.rayY.y, x, coarseY)
+                      : rayAt(push.rayOrigin.y, push.rayX.y, push.rayY.y, x, y);
+    Real rz = kCoarse ? rayAtEach(push.rayOrigin.z, push.rayX.z, push.rayY.z, x, coarseY)
+                      : rayAt(push.rayOrigin.z, push.rayX.z, push.rayY.z, x, y);
     if (kUnitNormals) {
         unitVector(surface.nx, surface.ny, surface.nz);
     } else {
@@ -154,13 +157,15 @@ void addFewLights(int r) {
 #ifdef PLUMB_VECTORS
     [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) {
         if (i < kLightCount) {
-            if (lampPlaces[i].w != 0.0) addLightFrom(towardLamp[4u * i + uint(r)], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
-            else addLight(lampPlaces[i], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
+            if (lampPlaces[i].w != 0.0)
+                addLightFrom(towardLamp[4u * i + uint(r)], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
+            else
+                addLight(lampPlaces[i], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
         }
     }
 #else
-    [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i)
-        if (i < kLightCount) addLight(lampPlaces[i], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
+    [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) if (i < kLightCount)
+        addLight(lampPlaces[i], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
 #endif
 }
 
@@ -284,8 +289,10 @@ uint shadeAndWrite() {
         [[unroll]] for (int r = 0; r < 4; ++r) {
             if (!kCoarse || r == 0) {
                 seeRow(r, r);
-                if (loops) fault |= addLights(r);
-                else if (kShading == kShadingPhong) addFewLights(r);
+                if (loops)
+                    fault |= addLights(r);
+                else if (kShading == kShadingPhong)
+                    addFewLights(r);
             }
             writeRow(r, r);
         }

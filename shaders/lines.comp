@@ -6,15 +6,15 @@ layout(local_size_x = 64) in;
 #include "shared/status.h"
 #include "shared/lines.h"
 
-layout(constant_id = 2) const bool kHidden = false;     // hidden lines are removed
+layout(constant_id = 2) const bool kHidden = false;  // hidden lines are removed
 
 layout(push_constant, scalar) uniform Push { LinesPush push; };
-layout(binding = 1) uniform usamplerBuffer edges;      // two vertices
+layout(binding = 1) uniform usamplerBuffer edges;  // two vertices
 layout(binding = 2) uniform samplerBuffer positions;
 layout(binding = 3, scalar) readonly buffer Objects { ObjectRecord objects[]; };
 layout(binding = 4, scalar) buffer Owners { uint owners[]; };
-layout(binding = 5) uniform usamplerBuffer edgeFaces;   // the polygon of each edge (kHidden)
-layout(binding = 6) uniform usamplerBuffer surfaces;    // z bits and face of each pixel of the surface rows (kHidden)
+layout(binding = 5) uniform usamplerBuffer edgeFaces;  // the polygon of each edge (kHidden)
+layout(binding = 6) uniform usamplerBuffer surfaces;   // z bits and face of each pixel of the surface rows (kHidden)
 
 int floorDivide(int a, int b, out int rest) {  // b > 0
     uint magnitude = uint(abs(a));
@@ -39,8 +39,8 @@ void main() {
     vec3 p0 = texelFetch(positions, int(ends.x)).xyz;
     vec3 p1 = texelFetch(positions, int(ends.y)).xyz;
     ObjectRecord o = objects[push.object];
-    LineEnds e = LineEnds(rowTimesPoint(o.rowX, p0), rowTimesPoint(o.rowY, p0), rowTimesPoint(o.rowW, p0),
-                          rowTimesPoint(o.rowX, p1), rowTimesPoint(o.rowY, p1), rowTimesPoint(o.rowW, p1));
+    LineEnds e = LineEnds(rowTimesPoint(o.rowX, p0), rowTimesPoint(o.rowY, p0), rowTimesPoint(o.rowW, p0), rowTimesPoint(o.rowX, p1),
+                          rowTimesPoint(o.rowY, p1), rowTimesPoint(o.rowW, p1));
     for (int plane = 0; plane < kClipPlanes; ++plane) mine = mine && cutLine(plane, e, push.viewport);
     e.w0 = mine ? e.w0 : push.viewport.near;
     e.w1 = mine ? e.w1 : push.viewport.near;

@@ -10,10 +10,10 @@ layout(constant_id = 2) const uint kEncoding = 0u;
 layout(constant_id = 3) const bool kLinearOut = false;
 
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
-layout(binding = 1) uniform usamplerBuffer samplePlanes;   // single words
+layout(binding = 1) uniform usamplerBuffer samplePlanes;  // single words
 layout(binding = 2) uniform usamplerBuffer encodeTable;
 layout(binding = 3, scalar) writeonly buffer Colours { uvec4 colours[]; };
-layout(binding = 4, scalar) writeonly buffer Linear { vec4 linear[]; };   // three planes, kLinearOut
+layout(binding = 4, scalar) writeonly buffer Linear { vec4 linear[]; };  // three planes, kLinearOut
 
 #include "encode.glsl"
 

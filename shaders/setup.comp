@@ -9,12 +9,12 @@ layout(local_size_x = 64) in;
 #include "edges.glsl"
 
 layout(constant_id = 2) const bool kBin = false;
-layout(constant_id = 3) const bool kBothSides = false;   // back faces are drawn, and turned round here
+layout(constant_id = 3) const bool kBothSides = false;  // back faces are drawn, and turned round here
 
 layout(push_constant, scalar) uniform Push { SetupPush push; };
 layout(binding = 1) uniform usamplerBuffer triangles;
 layout(binding = 2) uniform usamplerBuffer screen;
-layout(binding = 3) uniform usamplerBuffer sources;      // of each place its triangle, or kNoTriangle: a place of a clip fan
+layout(binding = 3) uniform usamplerBuffer sources;  // of each place its triangle, or kNoTriangle: a place of a clip fan
 layout(binding = 4, scalar) writeonly buffer Draws { uvec4 draws[]; };
 layout(binding = 5, scalar) buffer Tiles { uint tiles[]; };                // counts
 layout(binding = 6, scalar) writeonly buffer Entries { uint entries[]; };  // as the bin pass leaves them
@@ -57,8 +57,10 @@ void main() {
     ivec2 p1 = ivec2(texelFetch(screen, int(corners.y)).xy);
     ivec2 p2 = ivec2(texelFetch(screen, int(corners.z)).xy);
     DrawTriangle d;
-    if (kBothSides) d = drawTriangle(corners.x, corners.y, corners.z, p0, p1, p2, source);
-    else d = frontTriangle(corners.x, corners.y, corners.z, p0, p1, p2, source);
+    if (kBothSides)
+        d = drawTriangle(corners.x, corners.y, corners.z, p0, p1, p2, source);
+    else
+        d = frontTriangle(corners.x, corners.y, corners.z, p0, p1, p2, source);
     if (drawn) draws[item] = uvec4(d.vertex[0], d.vertex[1], d.vertex[2], d.source);
     if (kBin) {
         bool back = kBothSides && facing(p0, p1, p2) < 0;

@@ -14,8 +14,8 @@ layout(constant_id = 5) const uint kPower = 0u;
 
 layout(push_constant, scalar) uniform Push { SpheresPush push; };
 layout(binding = 1, scalar) readonly buffer Discs { SphereDisc discs[]; };
-layout(binding = 2, scalar) readonly buffer RowFirst { uint rowFirst[]; };   // where a row's spheres begin; one more than rows
-layout(binding = 3, scalar) readonly buffer RowDiscs { uint rowDiscs[]; };   // in their order
+layout(binding = 2, scalar) readonly buffer RowFirst { uint rowFirst[]; };  // where a row's spheres begin; one more than rows
+layout(binding = 3, scalar) readonly buffer RowDiscs { uint rowDiscs[]; };  // in their order
 layout(binding = 4) uniform samplerBuffer materials;
 layout(binding = 5) uniform samplerBuffer lights;
 layout(binding = 6, scalar) writeonly buffer Depths { float depths[]; };

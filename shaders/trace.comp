@@ -18,44 +18,44 @@ layout(local_size_x = 64) in;
 #include "shared/encode.h"
 
 layout(constant_id = 2) const uint kEncoding = 0u;
-layout(constant_id = 3) const uint kPlanes = 0u;          // kTracePlane bits that the plane buffer holds
-layout(constant_id = 4) const bool kColour = true;        // write the encoded sample
-layout(constant_id = 5) const bool kList = false;         // some material has two children, or samples take several dispatches
-layout(constant_id = 6) const bool kFar = false;          // some sphere is far for its radius
+layout(constant_id = 3) const uint kPlanes = 0u;    // kTracePlane bits that the plane buffer holds
+layout(constant_id = 4) const bool kColour = true;  // write the encoded sample
+layout(constant_id = 5) const bool kList = false;   // some material has two children, or samples take several dispatches
+layout(constant_id = 6) const bool kFar = false;    // some sphere is far for its radius
 layout(constant_id = 7) const bool kCount = true;
 layout(constant_id = 8) const bool kSpecular = true;
 layout(constant_id = 9) const bool kPointLights = true;
 layout(constant_id = 10) const bool kShadows = true;
 layout(constant_id = 12) const bool kMeshes = false;
 layout(constant_id = 13) const uint kSampling = kSampleGrid;
-layout(constant_id = 14) const uint kSide = 1u;           // samples a pixel along an axis
-layout(constant_id = 15) const bool kListed = false;      // samples of the pixels in `pixels`, kSide rows of them
-layout(constant_id = 16) const bool kCutLevels = false;   // colours in whole levels
-layout(constant_id = 17) const uint kJitterMirror = 0u;   // bits of the amounts of noise; 0: none
+layout(constant_id = 14) const uint kSide = 1u;          // samples a pixel along an axis
+layout(constant_id = 15) const bool kListed = false;     // samples of the pixels in `pixels`, kSide rows of them
+layout(constant_id = 16) const bool kCutLevels = false;  // colours in whole levels
+layout(constant_id = 17) const uint kJitterMirror = 0u;  // bits of the amounts of noise; 0: none
 layout(constant_id = 18) const uint kJitterPass = 0u;
 layout(constant_id = 19) const uint kJitterFeeler = 0u;
-layout(constant_id = 11) const int kSpheres = -1;         // number of spheres where it is small, so that their loops unroll; -1: pushed
-layout(constant_id = 20) const int kBoards = -1;          // the same of planes
-layout(constant_id = 21) const uint kHeldSpheres = 0u;    // where the spheres' records stay: kHeldBy*
-layout(constant_id = 22) const uint kFeelerBits = 32u;    // of the number of lights
-layout(constant_id = 23) const uint kLanes = 8u;          // of a subgroup, kEyeTogether
+layout(constant_id = 11) const int kSpheres = -1;       // number of spheres where it is small, so that their loops unroll; -1: pushed
+layout(constant_id = 20) const int kBoards = -1;        // the same of planes
+layout(constant_id = 21) const uint kHeldSpheres = 0u;  // where the spheres' records stay: kHeldBy*
+layout(constant_id = 22) const uint kFeelerBits = 32u;  // of the number of lights
+layout(constant_id = 23) const uint kLanes = 8u;        // of a subgroup, kEyeTogether
 layout(constant_id = 24) const bool kLights = true;
-layout(constant_id = 25) const bool kChildren = true;     // some hit may send a ray on
-layout(constant_id = 26) const bool kRefracts = true;     // some hit may send a refracted ray on
-layout(constant_id = 27) const bool kEyeTogether = false; // eye rays walk the tree together
-layout(constant_id = 28) const bool kTiles = false;       // neighbours are tiles of 4 x 2 samples
-layout(constant_id = 29) const bool kDeep = false;        // the tree is deeper than kLanes
-layout(constant_id = 30) const bool kLongPaths = true;    // paths may be longer than kLanes
-layout(constant_id = 31) const uint kTurns = 1u;          // samples of an invocation one after another, every other row of a tile; with kTiles
-layout(constant_id = 32) const bool kDims = true;         // some material lets a feeler through
+layout(constant_id = 25) const bool kChildren = true;      // some hit may send a ray on
+layout(constant_id = 26) const bool kRefracts = true;      // some hit may send a refracted ray on
+layout(constant_id = 27) const bool kEyeTogether = false;  // eye rays walk the tree together
+layout(constant_id = 28) const bool kTiles = false;        // neighbours are tiles of 4 x 2 samples
+layout(constant_id = 29) const bool kDeep = false;         // the tree is deeper than kLanes
+layout(constant_id = 30) const bool kLongPaths = true;     // paths may be longer than kLanes
+layout(constant_id = 31) const uint kTurns = 1u;   // samples of an invocation one after another, every other row of a tile; with kTiles
+layout(constant_id = 32) const bool kDims = true;  // some material lets a feeler through
 layout(constant_id = 33) const bool kOneLight = false;
-layout(constant_id = 34) const bool kOneBoard = false;    // its record stays in registers
-layout(constant_id = 35) const bool kClose = false;       // the surface of some sphere is close to the eye
+layout(constant_id = 34) const bool kOneBoard = false;  // its record stays in registers
+layout(constant_id = 35) const bool kClose = false;     // the surface of some sphere is close to the eye
 
 layout(push_constant, scalar) uniform Push { TracePush push; };
-layout(binding = 1) uniform samplerBuffer spheres;        // centre, radius
-layout(binding = 2) uniform samplerBuffer boards;         // kPlaneTexels each
-layout(binding = 3) uniform usamplerBuffer surfaces;      // material of each object: spheres, then planes
+layout(binding = 1) uniform samplerBuffer spheres;    // centre, radius
+layout(binding = 2) uniform samplerBuffer boards;     // kPlaneTexels each
+layout(binding = 3) uniform usamplerBuffer surfaces;  // material of each object: spheres, then planes
 layout(binding = 4) uniform samplerBuffer materials;
 layout(binding = 5) uniform samplerBuffer lights;
 layout(binding = 6) uniform usamplerBuffer encodeTable;
@@ -67,13 +67,13 @@ layout(binding = 11, scalar) buffer States { uint states[]; };
 layout(binding = 12) uniform usamplerBuffer nodes;
 layout(binding = 13) uniform usamplerBuffer triangles;
 layout(binding = 14) uniform samplerBuffer corners;
-layout(binding = 15) uniform usamplerBuffer pixels;       // x | y << 16, kListed
+layout(binding = 15) uniform usamplerBuffer pixels;  // x | y << 16, kListed
 layout(binding = 16) uniform usamplerBuffer leaves;
-layout(binding = 17) uniform samplerBuffer powers;        // of the eye, kClose
+layout(binding = 17) uniform samplerBuffer powers;  // of the eye, kClose
 
-const uint kHeldByAll = 1u;                 // by each invocation
-const uint kHeldByLanes = 2u;               // by invocation i modulo 8 of a subgroup
-const uint kMostSteps = 30000u;             // of a walk: half of what lavapipe's loops take
+const uint kHeldByAll = 1u;      // by each invocation
+const uint kHeldByLanes = 2u;    // by invocation i modulo 8 of a subgroup
+const uint kMostSteps = 30000u;  // of a walk: half of what lavapipe's loops take
 // Functions, since glslang computes such a constant in the first function that reads it, where others do not see it.
 bool hasKeys() { return kSampling == kSampleRandom || (kJitterMirror | kJitterPass | kJitterFeeler) != 0u; }
 const uint kLevels = kCutLevels ? kRayDepthLimit : 1u;
@@ -97,8 +97,12 @@ bool together() {
 }
 
 // Records that stay in registers: indexed by constants alone, once loops are unrolled.
-vec4 heldSpheres[kHeldSpheres == kHeldByAll && kSpheres > 0 ? kSpheres : kHeldSpheres == kHeldByLanes && kSpheres > 0 ? (kSpheres + 7) / 8 : 1];
-uint heldSurfaces[kHeldSpheres == kHeldByAll && kSpheres > 0 ? kSpheres : kHeldSpheres == kHeldByLanes && kSpheres > 0 ? (kSpheres + 7) / 8 : 1];
+vec4 heldSpheres[kHeldSpheres == kHeldByAll && kSpheres > 0    ? kSpheres
+                 : kHeldSpheres == kHeldByLanes&& kSpheres > 0 ? (kSpheres + 7) / 8
+                                                               : 1];
+uint heldSurfaces[kHeldSpheres == kHeldByAll && kSpheres > 0    ? kSpheres
+                  : kHeldSpheres == kHeldByLanes&& kSpheres > 0 ? (kSpheres + 7) / 8
+                                                                : 1];
 vec4 heldBoard[kPlaneTexels];
 uint heldBoardSurface;
 vec4 heldLight[kLightTexels];
@@ -134,9 +138,11 @@ SphereHit sphereAt(int i, vec3 o, vec3 d, uint from, bool inside) {
     vec4 sphere;
     if (kHeldSpheres == kHeldByAll) sphere = heldSpheres[i];
 #ifdef PLUMB_BALLOT
-    else if (kHeldSpheres == kHeldByLanes) sphere = subgroupShuffle(heldSpheres[i >> 3], uint(i & 7));
+    else if (kHeldSpheres == kHeldByLanes)
+        sphere = subgroupShuffle(heldSpheres[i >> 3], uint(i & 7));
 #endif
-    else sphere = texelFetch(spheres, i);
+    else
+        sphere = texelFetch(spheres, i);
     return sphereOf(sphere, i, o, d, from, inside);
 }
 // Any sphere, and its material.
@@ -165,8 +171,10 @@ vec4 sphereRecordOf(int i, out uint material) {
 
 vec4 boardTexel(int i, int k) {
     vec4 texel;
-    if (kOneBoard) texel = heldBoard[k];
-    else texel = texelFetch(boards, i * kPlaneTexels + k);
+    if (kOneBoard)
+        texel = heldBoard[k];
+    else
+        texel = texelFetch(boards, i * kPlaneTexels + k);
     return texel;
 }
 PlaneHit boardAt(int i, vec3 o, vec3 d, uint from, bool inside) {
@@ -245,15 +253,15 @@ void nearestOfEyeRays(vec3 d, vec3 d2, bool any, out EyeHit best, out EyeHit bes
     RayFrame frame2 = frameOfRay(o, d2, push.reach);
     vec3 least = kTurns == 2u ? lesser3(frame.inverse, frame2.inverse) : frame.inverse;
     vec3 most = kTurns == 2u ? greater3(frame.inverse, frame2.inverse) : frame.inverse;
-    RayBundle bundle = RayBundle(o, vec3(leastOf(least.x), leastOf(least.y), leastOf(least.z)), vec3(mostOf(most.x), mostOf(most.y), mostOf(most.z)),
-                                 frame.pad);
+    RayBundle bundle = RayBundle(o, vec3(leastOf(least.x), leastOf(least.y), leastOf(least.z)),
+                                 vec3(mostOf(most.x), mostOf(most.y), mostOf(most.z)), frame.pad);
     uint lane = gl_SubgroupInvocationID;
     int child = int(lane & (kNodeChildren - 1u));
     float longest = kFarthestHit;
     uint node = kTopNode;
     uint asked = 0xffu;
     uint back = 0u;
-    uint further = 0u;                          // levels from kLanes on
+    uint further = 0u;  // levels from kLanes on
     uint level = 0u;
     uint steps = 0u;
     bool done = !any;
@@ -267,7 +275,8 @@ void nearestOfEyeRays(vec3 d, vec3 d2, bool any, out EyeHit best, out EyeHit bes
             link = low.w;
             vec3 from = uintBitsToFloat(low.xyz);
             vec3 to = uintBitsToFloat(high.xyz);
-            bool open = !done && link != kNoChild && lane < kNodeChildren && opens(earliestEntry(bundle, from, to), latestExit(bundle, from, to), longest);
+            bool open = !done && link != kNoChild && lane < kNodeChildren &&
+                        opens(earliestEntry(bundle, from, to), latestExit(bundle, from, to), longest);
             uint opened = sumOf((asked >> uint(child) & (open ? 1u : 0u)) << (link >= kLeaf ? uint(child) + 16u : uint(child)));
             met = opened >> 16;
             uint inner = opened & 0xffffu;
@@ -313,8 +322,8 @@ void countRay(uint depth, uint kind, uint feelers, uint undecided) {
 }
 #ifdef PLUMB_BALLOT
 // Without a list all invocations of a subgroup are at the same depth: the counts of depth n gather in invocation n - 1.
-uvec3 gathered = uvec3(0u);                     // rays, refracted ones among them, feelers
-uint lost = 0u;                                 // undecided
+uvec3 gathered = uvec3(0u);  // rays, refracted ones among them, feelers
+uint lost = 0u;              // undecided
 void addCounts(uint depth, uvec3 counted) {
     uint first = (depth - 1u) * kCountKinds;
     if (counted.x > counted.y) atomicAdd(counters[first + (depth == 1u ? kCountPrimary : kCountReflected)], counted.x - counted.y);
@@ -371,7 +380,8 @@ uvec2 placeOf(uint column, uint row) {
 uint keyAt(uvec2 place) { return hasKeys() ? keyOfSample(place.x, place.y, push.seed) : 0u; }
 vec3 eyeDirection(uvec2 place) {
     uint key = keyAt(place);
-    return primaryDirection(push.rayOrigin, push.rayX, push.rayY, columnOf(kSampling, place.x, kSide, key), rowOf(kSampling, place.y, kSide, key));
+    return primaryDirection(push.rayOrigin, push.rayX, push.rayY, columnOf(kSampling, place.x, kSide, key),
+                            rowOf(kSampling, place.y, kSide, key));
 }
 
 // A sample of this dispatch, from the eye to what it leaves.
@@ -381,7 +391,7 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
     vec3 o = vec3(0.0);
     uint key = keyAt(placeOf(column, row));
     vec3 d = eyeDirection(placeOf(column, row));
-    vec4 levels[kLevels];                       // of each ray: its own part of the colour, the share of what it is followed by
+    vec4 levels[kLevels];  // of each ray: its own part of the colour, the share of what it is followed by
     float weight = 1.0;
     uint from = kNoObject;
     bool inside = false;
@@ -400,256 +410,262 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
         alive = mine && waits > 0u;
     }
     bool begun = alive;
-    bool take = kList && push.first == 0u;      // the next ray comes from the list
+    bool take = kList && push.first == 0u;  // the next ray comes from the list
     uint rays = 0u;
     uint trips = 0u;
     do {
-      bool runs = alive;
-      bool bent = kind == kCountRefracted;
-      uint feelers = 0u;
-      uint undecided = 0u;
-      if (alive || together()) {
-        rays += runs ? 1u : 0u;
-        if (kList && take) {
-            waits--;
-            uint at = (waits * push.itemCount + item) * kWaitingWords;
-            o = vec3(uintBitsToFloat(waiting[at]), uintBitsToFloat(waiting[at + 1u]), uintBitsToFloat(waiting[at + 2u]));
-            d = vec3(uintBitsToFloat(waiting[at + 3u]), uintBitsToFloat(waiting[at + 4u]), uintBitsToFloat(waiting[at + 5u]));
-            weight = uintBitsToFloat(waiting[at + 6u]);
-            from = waiting[at + 7u];
-            uint packed = waiting[at + 8u];
-            key = waiting[at + 9u];
-            inside = (packed & 1u) != 0u;
-            kind = (packed >> 1) & 3u;
-            depth = packed >> 3;
-        }
-        float t = kFarthestHit;
-        uint best = kNoObject;
-        int i = 0;
-        [[unroll]] for (i = 0; i < sphereCount(); ++i) {
-            SphereHit hit = sphereAt(i, o, d, from, inside);
-            bool nearer = isNearer(hit.t, uint(i), t, best);
-            t = nearer ? hit.t : t;
-            best = nearer ? uint(i) : best;
-        }
-        fault |= i < sphereCount() ? kFaultLoop : 0u;
-        for (i = 0; i < boardCount(); ++i) {
-            PlaneHit hit = boardAt(i, o, d, from, inside);
-            bool nearer = isNearer(hit.t, push.sphereCount + uint(i), t, best);
-            t = nearer ? hit.t : t;
-            best = nearer ? push.sphereCount + uint(i) : best;
-            undecided += hit.undecided;
-        }
-        fault |= i < boardCount() ? kFaultLoop : 0u;
-        uint firstTriangle = push.sphereCount + push.planeCount;
-        RayFrame frame;
-        int children = int(push.childCount);
-        if (kMeshes) {
-            frame = frameOfRay(o, d, push.reach);
-            int child = runs ? 0 : children;
-            if (kEyeTogether && rays == 1u && push.first != 0u) {
-                bool nearer = eye.triangle != kNoObject && isNearer(eye.t, firstTriangle + eye.triangle, t, best);
-                t = nearer ? eye.t : t;
-                best = nearer ? firstTriangle + eye.triangle : best;
-                child = children;
+        bool runs = alive;
+        bool bent = kind == kCountRefracted;
+        uint feelers = 0u;
+        uint undecided = 0u;
+        if (alive || together()) {
+            rays += runs ? 1u : 0u;
+            if (kList && take) {
+                waits--;
+                uint at = (waits * push.itemCount + item) * kWaitingWords;
+                o = vec3(uintBitsToFloat(waiting[at]), uintBitsToFloat(waiting[at + 1u]), uintBitsToFloat(waiting[at + 2u]));
+                d = vec3(uintBitsToFloat(waiting[at + 3u]), uintBitsToFloat(waiting[at + 4u]), uintBitsToFloat(waiting[at + 5u]));
+                weight = uintBitsToFloat(waiting[at + 6u]);
+                from = waiting[at + 7u];
+                uint packed = waiting[at + 8u];
+                key = waiting[at + 9u];
+                inside = (packed & 1u) != 0u;
+                kind = (packed >> 1) & 3u;
+                depth = packed >> 3;
             }
-            if (!kEyeTogether || kChildren || kList) {
-                while (child < children) {
-                    uint link = 0u;
-                    while (child < children && link < kLeaf) {
-                        uvec4 low = texelFetch(nodes, child * 2);
-                        uvec4 high = texelFetch(nodes, child * 2 + 1);
-                        bool open = opensFor(frame, low, high, t);
-                        link = open ? low.w : 0u;
-                        child = open && link < kLeaf ? int(link * kNodeChildren) : int(high.w);
-                    }
-                    uint triangle;
-                    TriangleHit hit = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, frame, from - firstTriangle, triangle);
-                    bool nearer = link >= kLeaf && isNearer(hit.t, firstTriangle + triangle, t, best);
-                    t = nearer ? hit.t : t;
-                    best = nearer ? firstTriangle + triangle : best;
-                }
-                fault |= child < children ? kFaultLoop : 0u;
+            float t = kFarthestHit;
+            uint best = kNoObject;
+            int i = 0;
+            [[unroll]] for (i = 0; i < sphereCount(); ++i) {
+                SphereHit hit = sphereAt(i, o, d, from, inside);
+                bool nearer = isNearer(hit.t, uint(i), t, best);
+                t = nearer ? hit.t : t;
+                best = nearer ? uint(i) : best;
             }
-        }
-        bool hits = runs && best != kNoObject;
-        bool ball = best < push.sphereCount;
-        bool mesh = kMeshes && hits && best >= firstTriangle;
-        int sphere = ball ? int(best) : 0;
-        int board = hits && !ball && !mesh ? int(best - push.sphereCount) : 0;
-
-        SurfacePoint s = SurfacePoint(vec3(0.0), vec3(0.0), vec3(0.0));
-        uint material = 0u;
-        if (kBoards != 0) {
-            PlaneHit onBoard = boardAt(board, o, d, from, inside);
-            s = pointOnPlane(boardTexel(board, 0).xyz, onBoard.point);
-            material = materialOfBoard(board, onBoard);
-        }
-        if (kSpheres != 0) {
-            uint sphereMaterial = 0u;
-            vec4 sphereRecord = sphereRecordOf(sphere, sphereMaterial);
-            SphereHit again = sphereOf(sphereRecord, sphere, o, d, from, inside);
-            SurfacePoint onSphere = pointOnSphere(sphereRecord.xyz, sphereRecord.w, again.offset);
-            if (kClose) onSphere = pointOnCloseSphere(o, d, again.t, sphereRecord.xyz, sphereRecord.w, powerOf(sphere), again.offset);
-            s.point = ball ? onSphere.point : s.point;
-            s.normal = ball ? onSphere.normal : s.normal;
-            s.error = ball ? onSphere.error : s.error;
-            material = ball ? sphereMaterial : material;
-        }
-        vec3 smoothNormal = s.normal;
-        if (kMeshes) {
-            int triangle = mesh ? int(best - firstTriangle) : 0;
-            uvec4 words = texelFetch(triangles, triangle * 2);
-            TriangleHit hit = triangleAt(words, frame, false);
-            vec3 geometric = uintBitsToFloat(texelFetch(triangles, triangle * 2 + 1).xyz);
-            SurfacePoint onMesh = pointOnTriangle(texelFetch(corners, int(words.x) * 2).xyz, texelFetch(corners, int(words.y) * 2).xyz,
-                                                  texelFetch(corners, int(words.z) * 2).xyz, geometric, hit);
-            vec3 interpolated = unitLength((texelFetch(corners, int(words.x) * 2 + 1).xyz * hit.w0 + texelFetch(corners, int(words.y) * 2 + 1).xyz * hit.w1) +
-                                           texelFetch(corners, int(words.z) * 2 + 1).xyz * hit.w2);
-            s.point = mesh ? onMesh.point : s.point;
-            s.normal = mesh ? onMesh.normal : s.normal;
-            s.error = mesh ? onMesh.error : s.error;
-            smoothNormal = mesh ? interpolated : s.normal;
-            material = mesh ? words.w : material;
-        }
-        bool within = dot3(d, s.normal) > 0.0;
-        vec3 n = within ? -s.normal : s.normal;
-        vec3 seen = n;
-        vec3 bends = n;
-        if (kMeshes) {
-            seen = mesh ? (within ? -smoothNormal : smoothNormal) : n;
-            if (kChildren) bends = mesh ? normalForRays(d, n, seen) : n;
-        }
-
-        int at = int(material) * kTraceMaterialTexels;
-        vec4 base = texelFetch(materials, at);
-        vec4 diffuse = texelFetch(materials, at + 1);
-        vec4 specular = texelFetch(materials, at + 2);
-        vec4 shares = texelFetch(materials, at + 3);
-
-        // Local colour: Phong, each light dimmed by what its feeler meets.
-        bool local = hits && specular.w > 0.0;
-        Colour c = Colour(base.x, base.y, base.z);
-        Surface surface = Surface(seen.x, seen.y, seen.z, -d.x, -d.y, -d.z, s.point.x, s.point.y, s.point.z);
-        Reflectance k = Reflectance(diffuse.x, diffuse.y, diffuse.z, specular.x, specular.y, specular.z, base.w, diffuse.w);
-        ShadeParts parts = ShadeParts(true, kSpecular, kPointLights, kPowerExact);
-        vec3 q = leaveSurface(s.point, n, s.error);
-        int light = 0;
-        if (kLights) do {
-          bool lit = local && light < lightCount;
-          if (lit || together()) {
-            vec4 lightPlace;
-            vec4 intensity;
-            if (kOneLight) {
-                lightPlace = heldLight[0];
-                intensity = heldLight[1];
-            } else {
-                lightPlace = texelFetch(lights, light * kLightTexels);
-                intensity = texelFetch(lights, light * kLightTexels + 1);
+            fault |= i < sphereCount() ? kFaultLoop : 0u;
+            for (i = 0; i < boardCount(); ++i) {
+                PlaneHit hit = boardAt(i, o, d, from, inside);
+                bool nearer = isNearer(hit.t, push.sphereCount + uint(i), t, best);
+                t = nearer ? hit.t : t;
+                best = nearer ? push.sphereCount + uint(i) : best;
+                undecided += hit.undecided;
             }
-            Feeler feeler = feelerTo(lightPlace, q);
-            bool above = dot3(seen, feeler.direction) > 0.0 && dot3(n, feeler.direction) > 0.0;
-            feelers += lit && above ? 1u : 0u;
-            if (kJitterFeeler != 0u) feeler.direction = jittered(feeler.direction, n, uintBitsToFloat(kJitterFeeler), keyOfChild(key, kFirstFeelerKey + uint(light)));
-            float passed = 1.0;
-            if (kShadows) {
-                [[unroll]] for (i = 0; i < sphereCount(); ++i) {
-                    SphereHit hit = sphereAt(i, q, feeler.direction, best, within);
-                    passed *= blocks(hit.t, feeler.reach) ? (kDims ? shareThatPasses(texelFetch(surfaces, i).x) : 0.0) : 1.0;
+            fault |= i < boardCount() ? kFaultLoop : 0u;
+            uint firstTriangle = push.sphereCount + push.planeCount;
+            RayFrame frame;
+            int children = int(push.childCount);
+            if (kMeshes) {
+                frame = frameOfRay(o, d, push.reach);
+                int child = runs ? 0 : children;
+                if (kEyeTogether && rays == 1u && push.first != 0u) {
+                    bool nearer = eye.triangle != kNoObject && isNearer(eye.t, firstTriangle + eye.triangle, t, best);
+                    t = nearer ? eye.t : t;
+                    best = nearer ? firstTriangle + eye.triangle : best;
+                    child = children;
                 }
-                fault |= i < sphereCount() ? kFaultLoop : 0u;
-                for (i = 0; i < boardCount(); ++i) {
-                    PlaneHit hit = boardAt(i, q, feeler.direction, best, within);
-                    passed *= blocks(hit.t, feeler.reach) ? (kDims ? shareThatPasses(materialOfBoard(i, hit)) : 0.0) : 1.0;
-                }
-                fault |= i < boardCount() ? kFaultLoop : 0u;
-                if (kMeshes) {
-                    RayFrame along = frameOfRay(q, feeler.direction, push.reach);
-                    int child = 0;
-                    while (lit && above && passed > 0.0 && child < children) {
+                if (!kEyeTogether || kChildren || kList) {
+                    while (child < children) {
                         uint link = 0u;
                         while (child < children && link < kLeaf) {
                             uvec4 low = texelFetch(nodes, child * 2);
                             uvec4 high = texelFetch(nodes, child * 2 + 1);
-                            bool open = opensFor(along, low, high, feeler.reach);
+                            bool open = opensFor(frame, low, high, t);
                             link = open ? low.w : 0u;
                             child = open && link < kLeaf ? int(link * kNodeChildren) : int(high.w);
                         }
                         uint triangle;
-                        TriangleHit hit = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, along, best - firstTriangle, triangle);
-                        uint owner = texelFetch(triangles, int(triangle) * 2).w;
-                        float slope = dot3(feeler.direction, uintBitsToFloat(texelFetch(triangles, int(triangle) * 2 + 1).xyz));
-                        bool met = link >= kLeaf && blocks(hit.t, feeler.reach);
-                        passed *= met ? passesTriangle(shareThatPasses(owner), slope) : 1.0;
+                        TriangleHit hit = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, frame, from - firstTriangle, triangle);
+                        bool nearer = link >= kLeaf && isNearer(hit.t, firstTriangle + triangle, t, best);
+                        t = nearer ? hit.t : t;
+                        best = nearer ? firstTriangle + triangle : best;
                     }
-                    fault |= lit && above && passed > 0.0 && child < children ? kFaultLoop : 0u;
+                    fault |= child < children ? kFaultLoop : 0u;
                 }
             }
-            passed = above ? passed : 0.0;
-            addLight(lightPlace, vec4(intensity.xyz * passed, intensity.w), surface, k, parts, c);
-          }
-          light++;
-        } while (!kOneLight && light < lightCount);
-        fault |= kLights && local && light < lightCount ? kFaultLoop : 0u;
-        float share = weight * specular.w;
-        vec3 added = vec3(c.r, c.g, c.b) * share;
-        added = hits ? (local ? added : vec3(0.0)) : push.sky * weight;
-        colour = runs ? colour + added : colour;
-        if (kCutLevels) {
-            vec3 own = hits ? wholeLevels(vec3(c.r, c.g, c.b)) * specular.w : wholeLevels(push.sky);
-            levels[depth - 1u] = vec4(local || !hits ? own : vec3(0.0), hits ? shares.x : 0.0);
-        }
+            bool hits = runs && best != kNoObject;
+            bool ball = best < push.sphereCount;
+            bool mesh = kMeshes && hits && best >= firstTriangle;
+            int sphere = ball ? int(best) : 0;
+            int board = hits && !ball && !mesh ? int(best - push.sphereCount) : 0;
 
-        if (kCount && !together()) countRay(depth, kind, feelers, undecided);
-        if (runs && rays == 1u && push.first != 0u) {
-            primaryBits = hits ? 1u : 0u;
-            if ((kPlanes & kTracePlaneDistance) != 0u) planes[word] = hits ? floatBitsToUint(t) : 0u;
-            if ((kPlanes & kTracePlaneObject) != 0u) planes[word + kSlotObject * push.planeWords] = best;
-            if ((kPlanes & kTracePlaneNormal) != 0u) {
-                planes[word + kSlotNormal * push.planeWords] = hits ? floatBitsToUint(seen.x) : 0u;
-                planes[word + (kSlotNormal + 1u) * push.planeWords] = hits ? floatBitsToUint(seen.y) : 0u;
-                planes[word + (kSlotNormal + 2u) * push.planeWords] = hits ? floatBitsToUint(seen.z) : 0u;
+            SurfacePoint s = SurfacePoint(vec3(0.0), vec3(0.0), vec3(0.0));
+            uint material = 0u;
+            if (kBoards != 0) {
+                PlaneHit onBoard = boardAt(board, o, d, from, inside);
+                s = pointOnPlane(boardTexel(board, 0).xyz, onBoard.point);
+                material = materialOfBoard(board, onBoard);
             }
-        }
+            if (kSpheres != 0) {
+                uint sphereMaterial = 0u;
+                vec4 sphereRecord = sphereRecordOf(sphere, sphereMaterial);
+                SphereHit again = sphereOf(sphereRecord, sphere, o, d, from, inside);
+                SurfacePoint onSphere = pointOnSphere(sphereRecord.xyz, sphereRecord.w, again.offset);
+                if (kClose) onSphere = pointOnCloseSphere(o, d, again.t, sphereRecord.xyz, sphereRecord.w, powerOf(sphere), again.offset);
+                s.point = ball ? onSphere.point : s.point;
+                s.normal = ball ? onSphere.normal : s.normal;
+                s.error = ball ? onSphere.error : s.error;
+                material = ball ? sphereMaterial : material;
+            }
+            vec3 smoothNormal = s.normal;
+            if (kMeshes) {
+                int triangle = mesh ? int(best - firstTriangle) : 0;
+                uvec4 words = texelFetch(triangles, triangle * 2);
+                TriangleHit hit = triangleAt(words, frame, false);
+                vec3 geometric = uintBitsToFloat(texelFetch(triangles, triangle * 2 + 1).xyz);
+                SurfacePoint onMesh = pointOnTriangle(texelFetch(corners, int(words.x) * 2).xyz, texelFetch(corners, int(words.y) * 2).xyz,
+                                                      texelFetch(corners, int(words.z) * 2).xyz, geometric, hit);
+                vec3 interpolated = unitLength(
+                    (texelFetch(corners, int(words.x) * 2 + 1).xyz * hit.w0 + texelFetch(corners, int(words.y) * 2 + 1).xyz * hit.w1) +
+                    texelFetch(corners, int(words.z) * 2 + 1).xyz * hit.w2);
+                s.point = mesh ? onMesh.point : s.point;
+                s.normal = mesh ? onMesh.normal : s.normal;
+                s.error = mesh ? onMesh.error : s.error;
+                smoothNormal = mesh ? interpolated : s.normal;
+                material = mesh ? words.w : material;
+            }
+            bool within = dot3(d, s.normal) > 0.0;
+            vec3 n = within ? -s.normal : s.normal;
+            vec3 seen = n;
+            vec3 bends = n;
+            if (kMeshes) {
+                seen = mesh ? (within ? -smoothNormal : smoothNormal) : n;
+                if (kChildren) bends = mesh ? normalForRays(d, n, seen) : n;
+            }
 
-        Children next = childrenOf(d, bends, within, shares.x, shares.y, shares.z, shares.w, weight, depth, push.maxDepth, push.minWeight);
-        if (kMeshes && kRefracts) next.passDirection = mesh ? onSideOf(next.passDirection, -n) : next.passDirection;
-        bool mirror = kChildren && hits && next.mirror;
-        bool pass = kRefracts && hits && next.pass;
-        if (!kList) fault |= mirror && pass ? kFaultRange : 0u;
-        if (kJitterMirror != 0u) next.mirrorDirection = jittered(next.mirrorDirection, n, uintBitsToFloat(kJitterMirror), keyOfChild(key, kCountReflected));
-        if (kJitterPass != 0u) next.passDirection = jittered(next.passDirection, n, uintBitsToFloat(kJitterPass), keyOfChild(key, kCountRefracted));
-        depth++;
-        vec3 behind = leaveSurface(s.point, -n, s.error);
-        if (kList && pass) {
-            uint slot = (waits * push.itemCount + item) * kWaitingWords;
-            waiting[slot] = floatBitsToUint(behind.x);
-            waiting[slot + 1u] = floatBitsToUint(behind.y);
-            waiting[slot + 2u] = floatBitsToUint(behind.z);
-            waiting[slot + 3u] = floatBitsToUint(next.passDirection.x);
-            waiting[slot + 4u] = floatBitsToUint(next.passDirection.y);
-            waiting[slot + 5u] = floatBitsToUint(next.passDirection.z);
-            waiting[slot + 6u] = floatBitsToUint(next.passWeight);
-            waiting[slot + 7u] = best;
-            waiting[slot + 8u] = depth << 3 | kCountRefracted << 1 | (within ? 0u : 1u);
-            waiting[slot + 9u] = hasKeys() ? keyOfChild(key, kCountRefracted) : 0u;
-            waits++;
+            int at = int(material) * kTraceMaterialTexels;
+            vec4 base = texelFetch(materials, at);
+            vec4 diffuse = texelFetch(materials, at + 1);
+            vec4 specular = texelFetch(materials, at + 2);
+            vec4 shares = texelFetch(materials, at + 3);
+
+            // Local colour: Phong, each light dimmed by what its feeler meets.
+            bool local = hits && specular.w > 0.0;
+            Colour c = Colour(base.x, base.y, base.z);
+            Surface surface = Surface(seen.x, seen.y, seen.z, -d.x, -d.y, -d.z, s.point.x, s.point.y, s.point.z);
+            Reflectance k = Reflectance(diffuse.x, diffuse.y, diffuse.z, specular.x, specular.y, specular.z, base.w, diffuse.w);
+            ShadeParts parts = ShadeParts(true, kSpecular, kPointLights, kPowerExact);
+            vec3 q = leaveSurface(s.point, n, s.error);
+            int light = 0;
+            if (kLights) do {
+                    bool lit = local && light < lightCount;
+                    if (lit || together()) {
+                        vec4 lightPlace;
+                        vec4 intensity;
+                        if (kOneLight) {
+                            lightPlace = heldLight[0];
+                            intensity = heldLight[1];
+                        } else {
+                            lightPlace = texelFetch(lights, light * kLightTexels);
+                            intensity = texelFetch(lights, light * kLightTexels + 1);
+                        }
+                        Feeler feeler = feelerTo(lightPlace, q);
+                        bool above = dot3(seen, feeler.direction) > 0.0 && dot3(n, feeler.direction) > 0.0;
+                        feelers += lit && above ? 1u : 0u;
+                        if (kJitterFeeler != 0u)
+                            feeler.direction = jittered(feeler.direction, n, uintBitsToFloat(kJitterFeeler),
+                                                        keyOfChild(key, kFirstFeelerKey + uint(light)));
+                        float passed = 1.0;
+                        if (kShadows) {
+                            [[unroll]] for (i = 0; i < sphereCount(); ++i) {
+                                SphereHit hit = sphereAt(i, q, feeler.direction, best, within);
+                                passed *= blocks(hit.t, feeler.reach) ? (kDims ? shareThatPasses(texelFetch(surfaces, i).x) : 0.0) : 1.0;
+                            }
+                            fault |= i < sphereCount() ? kFaultLoop : 0u;
+                            for (i = 0; i < boardCount(); ++i) {
+                                PlaneHit hit = boardAt(i, q, feeler.direction, best, within);
+                                passed *= blocks(hit.t, feeler.reach) ? (kDims ? shareThatPasses(materialOfBoard(i, hit)) : 0.0) : 1.0;
+                            }
+                            fault |= i < boardCount() ? kFaultLoop : 0u;
+                            if (kMeshes) {
+                                RayFrame along = frameOfRay(q, feeler.direction, push.reach);
+                                int child = 0;
+                                while (lit && above && passed > 0.0 && child < children) {
+                                    uint link = 0u;
+                                    while (child < children && link < kLeaf) {
+                                        uvec4 low = texelFetch(nodes, child * 2);
+                                        uvec4 high = texelFetch(nodes, child * 2 + 1);
+                                        bool open = opensFor(along, low, high, feeler.reach);
+                                        link = open ? low.w : 0u;
+                                        child = open && link < kLeaf ? int(link * kNodeChildren) : int(high.w);
+                                    }
+                                    uint triangle;
+                                    TriangleHit hit = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, along, best - firstTriangle, triangle);
+                                    uint owner = texelFetch(triangles, int(triangle) * 2).w;
+                                    float slope = dot3(feeler.direction, uintBitsToFloat(texelFetch(triangles, int(triangle) * 2 + 1).xyz));
+                                    bool met = link >= kLeaf && blocks(hit.t, feeler.reach);
+                                    passed *= met ? passesTriangle(shareThatPasses(owner), slope) : 1.0;
+                                }
+                                fault |= lit && above && passed > 0.0 && child < children ? kFaultLoop : 0u;
+                            }
+                        }
+                        passed = above ? passed : 0.0;
+                        addLight(lightPlace, vec4(intensity.xyz * passed, intensity.w), surface, k, parts, c);
+                    }
+                    light++;
+                } while (!kOneLight && light < lightCount);
+            fault |= kLights && local && light < lightCount ? kFaultLoop : 0u;
+            float share = weight * specular.w;
+            vec3 added = vec3(c.r, c.g, c.b) * share;
+            added = hits ? (local ? added : vec3(0.0)) : push.sky * weight;
+            colour = runs ? colour + added : colour;
+            if (kCutLevels) {
+                vec3 own = hits ? wholeLevels(vec3(c.r, c.g, c.b)) * specular.w : wholeLevels(push.sky);
+                levels[depth - 1u] = vec4(local || !hits ? own : vec3(0.0), hits ? shares.x : 0.0);
+            }
+
+            if (kCount && !together()) countRay(depth, kind, feelers, undecided);
+            if (runs && rays == 1u && push.first != 0u) {
+                primaryBits = hits ? 1u : 0u;
+                if ((kPlanes & kTracePlaneDistance) != 0u) planes[word] = hits ? floatBitsToUint(t) : 0u;
+                if ((kPlanes & kTracePlaneObject) != 0u) planes[word + kSlotObject * push.planeWords] = best;
+                if ((kPlanes & kTracePlaneNormal) != 0u) {
+                    planes[word + kSlotNormal * push.planeWords] = hits ? floatBitsToUint(seen.x) : 0u;
+                    planes[word + (kSlotNormal + 1u) * push.planeWords] = hits ? floatBitsToUint(seen.y) : 0u;
+                    planes[word + (kSlotNormal + 2u) * push.planeWords] = hits ? floatBitsToUint(seen.z) : 0u;
+                }
+            }
+
+            Children next =
+                childrenOf(d, bends, within, shares.x, shares.y, shares.z, shares.w, weight, depth, push.maxDepth, push.minWeight);
+            if (kMeshes && kRefracts) next.passDirection = mesh ? onSideOf(next.passDirection, -n) : next.passDirection;
+            bool mirror = kChildren && hits && next.mirror;
+            bool pass = kRefracts && hits && next.pass;
+            if (!kList) fault |= mirror && pass ? kFaultRange : 0u;
+            if (kJitterMirror != 0u)
+                next.mirrorDirection = jittered(next.mirrorDirection, n, uintBitsToFloat(kJitterMirror), keyOfChild(key, kCountReflected));
+            if (kJitterPass != 0u)
+                next.passDirection = jittered(next.passDirection, n, uintBitsToFloat(kJitterPass), keyOfChild(key, kCountRefracted));
+            depth++;
+            vec3 behind = leaveSurface(s.point, -n, s.error);
+            if (kList && pass) {
+                uint slot = (waits * push.itemCount + item) * kWaitingWords;
+                waiting[slot] = floatBitsToUint(behind.x);
+                waiting[slot + 1u] = floatBitsToUint(behind.y);
+                waiting[slot + 2u] = floatBitsToUint(behind.z);
+                waiting[slot + 3u] = floatBitsToUint(next.passDirection.x);
+                waiting[slot + 4u] = floatBitsToUint(next.passDirection.y);
+                waiting[slot + 5u] = floatBitsToUint(next.passDirection.z);
+                waiting[slot + 6u] = floatBitsToUint(next.passWeight);
+                waiting[slot + 7u] = best;
+                waiting[slot + 8u] = depth << 3 | kCountRefracted << 1 | (within ? 0u : 1u);
+                waiting[slot + 9u] = hasKeys() ? keyOfChild(key, kCountRefracted) : 0u;
+                waits++;
+            }
+            bool onward = mirror || (!kList && pass);
+            bool back = !kRefracts || mirror;
+            o = back ? q : behind;
+            d = back ? next.mirrorDirection : next.passDirection;
+            weight = back ? next.mirrorWeight : next.passWeight;
+            kind = back ? kCountReflected : kCountRefracted;
+            if (hasKeys()) key = keyOfChild(key, kind);
+            from = best;
+            inside = back ? within : !within;
+            take = !onward;
+            alive = runs && (onward || (kList && waits > 0u));
         }
-        bool onward = mirror || (!kList && pass);
-        bool back = !kRefracts || mirror;
-        o = back ? q : behind;
-        d = back ? next.mirrorDirection : next.passDirection;
-        weight = back ? next.mirrorWeight : next.passWeight;
-        kind = back ? kCountReflected : kCountRefracted;
-        if (hasKeys()) key = keyOfChild(key, kind);
-        from = best;
-        inside = back ? within : !within;
-        take = !onward;
-        alive = runs && (onward || (kList && waits > 0u));
-      }
-      trips++;
+        trips++;
 #ifdef PLUMB_BALLOT
-      if (kCount && together()) gather(trips, runs ? 1u : 0u, runs && bent ? 1u : 0u, feelers, runs ? undecided : 0u);
+        if (kCount && together()) gather(trips, runs ? 1u : 0u, runs && bent ? 1u : 0u, feelers, runs ? undecided : 0u);
 #endif
     } while ((kChildren || kList) && trips < push.rayLimit && goesOn(alive));
     if (kList && begun && alive) {
@@ -710,7 +726,7 @@ void main() {
     bool mine = item < push.itemCount;
     item = min(item, push.itemCount - 1u);
     uint column = 0u;
-    uint row = 0u;                              // of the dispatch, kTiles, or of the frame
+    uint row = 0u;  // of the dispatch, kTiles, or of the frame
     uint rows = 0xffffffffu;
     uint firstRow = 0u;
     if (kTiles) {
@@ -733,8 +749,8 @@ void main() {
 #ifdef PLUMB_BALLOT
     if (kEyeTogether) {
         uvec2 place = placeOf(column, firstRow + min(row, rows - 1u));
-        nearestOfEyeRays(eyeDirection(place), eyeDirection(kTurns == 2u ? placeOf(column, firstRow + min(row + 2u, rows - 1u)) : place), push.first != 0u,
-                         eye, eye2);
+        nearestOfEyeRays(eyeDirection(place), eyeDirection(kTurns == 2u ? placeOf(column, firstRow + min(row + 2u, rows - 1u)) : place),
+                         push.first != 0u, eye, eye2);
     }
 #endif
     uint turn = 0u;

@@ -15,14 +15,14 @@ layout(constant_id = 2) const bool kWriteNormals = true;  // Phong, or planes th
 layout(constant_id = 3) const bool kUnitNormals = false;  // made unit here, for pixels that take them as interpolated
 
 layout(push_constant, scalar) uniform Push { TransformPush push; };
-layout(binding = 1) uniform samplerBuffer positions;   // xyz, object space
-layout(binding = 2) uniform samplerBuffer normals;     // xyz, object space
+layout(binding = 1) uniform samplerBuffer positions;  // xyz, object space
+layout(binding = 2) uniform samplerBuffer normals;    // xyz, object space
 layout(binding = 3, scalar) readonly buffer Objects { ObjectRecord objects[]; };
 layout(binding = 4, scalar) writeonly buffer Screen { uvec4 screen[]; };
 layout(binding = 5, scalar) writeonly buffer Varying { vec4 carried[]; };
 #ifdef PLUMB_LONG
-layout(binding = 6, scalar) readonly buffer Longs { LongRecord longs[]; };    // one an object
-layout(binding = 7, scalar) writeonly buffer Clip { vec4 clipSpace[]; };      // x, y, w: what is clipped goes on from there
+layout(binding = 6, scalar) readonly buffer Longs { LongRecord longs[]; };  // one an object
+layout(binding = 7, scalar) writeonly buffer Clip { vec4 clipSpace[]; };    // x, y, w: what is clipped goes on from there
 #endif
 
 void main() {

@@ -14,15 +14,15 @@ layout(local_size_x = 64) in;
 #include "shared/long_transform.h"
 #endif
 
-layout(constant_id = 2) const uint kMatrices = 1u;      // 0: vertices are copied; what loading and storing cost
-layout(constant_id = 3) const bool kLoads = true;       // false: markOf() is stored; what storing costs
+layout(constant_id = 2) const uint kMatrices = 1u;  // 0: vertices are copied; what loading and storing cost
+layout(constant_id = 3) const bool kLoads = true;   // false: markOf() is stored; what storing costs
 
 layout(push_constant, scalar) uniform Push { VerticesPush push; };
 layout(binding = 1) uniform samplerBuffer vertices;
 #ifdef PLUMB_LONG
-layout(binding = 2, scalar) readonly buffer Longs { LongRecord longs[]; };   // one
+layout(binding = 2, scalar) readonly buffer Longs { LongRecord longs[]; };  // one
 #else
-layout(binding = 2, scalar) readonly buffer Matrices { Rows matrices[]; };   // the one that is applied first comes first
+layout(binding = 2, scalar) readonly buffer Matrices { Rows matrices[]; };  // the one that is applied first comes first
 #endif
 // lavapipe stores one lane after another, component by component: words of 64 bits are half as many.
 #ifdef PLUMB_INT64
@@ -74,8 +74,10 @@ vec4 mark(uint vertex) { return markOf(m0, vertex); }
 
 vec4 resultOf(uint vertex) {
     vec4 result;
-    if (kLoads) result = transformed(texelFetch(vertices, int(min(vertex, push.vertexCount - 1u))));
-    else result = mark(vertex);
+    if (kLoads)
+        result = transformed(texelFetch(vertices, int(min(vertex, push.vertexCount - 1u))));
+    else
+        result = mark(vertex);
     return result;
 }
 void storePair(uint pair) {

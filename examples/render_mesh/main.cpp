@@ -28,8 +28,8 @@ int main(int count, char** arguments) {
             result = plumb::renderGpu(device, scene, request);
         }
         plumb::writeFrame(arguments[2], result.frame, plumb::kPlaneColour, {}, {{"Software", "render_mesh"}});
-        std::printf("%s: %llu pixels covered, %.1f ms; %s\n", arguments[2], static_cast<unsigned long long>(result.frame.coveredPixels), result.totalMs,
-                    choice.reason.c_str());
+        std::printf("%s: %llu pixels covered, %.1f ms; %s\n", arguments[2], static_cast<unsigned long long>(result.frame.coveredPixels),
+                    result.totalMs, choice.reason.c_str());
         return 0;
     } catch (const plumb::Error& error) {
         std::fprintf(stderr, "render_mesh: %s\n", error.what());

@@ -2,11 +2,11 @@
 // Edges are projected in binary64 from the unrounded object space, so that neither side's own rounding is the judge.
 #include "pipeline/bench/agreement.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <limits>
 #include <vector>
@@ -16,7 +16,7 @@ namespace {
 
 struct Pixel {
     glm::dvec2 centre;
-    double nearest = std::numeric_limits<double>::infinity();   // edge, pixels
+    double nearest = std::numeric_limits<double>::infinity();  // edge, pixels
 };
 
 double distanceToSegment(const glm::dvec2& p, const glm::dvec2& a, const glm::dvec2& b) {
@@ -86,7 +86,8 @@ Agreement agreementOf(const DrawList& list, uint32_t width, uint32_t height, std
             }
             if (!drawn) continue;
             int most = 0;
-            for (int shift = 0; shift < 24; shift += 8) most = std::max(most, std::abs(int(ours >> shift & 0xffu) - int(theirs >> shift & 0xffu)));
+            for (int shift = 0; shift < 24; shift += 8)
+                most = std::max(most, std::abs(int(ours >> shift & 0xffu) - int(theirs >> shift & 0xffu)));
             a.colourMost = std::max(a.colourMost, most);
             a.colourOver4 += most > 4;
         }
@@ -100,8 +101,8 @@ Agreement agreementOf(const DrawList& list, uint32_t width, uint32_t height, std
     if (a.coverageDiffers > kMostPixels)
         a.failure = fmt::format("{} pixels are drawn by one side only", a.coverageDiffers);
     else if (a.unexplained != 0)
-        a.failure = fmt::format("pixel ({}, {}) is drawn by one side only, {} pixels from the nearest edge ({} allowed); {} such pixels", worst->centre.x - 0.5,
-                                worst->centre.y - 0.5, worst->nearest, kSnapPixels, a.unexplained);
+        a.failure = fmt::format("pixel ({}, {}) is drawn by one side only, {} pixels from the nearest edge ({} allowed); {} such pixels",
+                                worst->centre.x - 0.5, worst->centre.y - 0.5, worst->nearest, kSnapPixels, a.unexplained);
     else if (a.covered == 0)
         a.failure = "both pictures are empty";
     else if (!(double(a.colourOver4) <= kColourShare * double(a.covered)))

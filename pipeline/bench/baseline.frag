@@ -7,8 +7,8 @@ layout(location = 0) out vec4 colour;
 #include "baseline.glsl"
 layout(constant_id = 0) const uint kLights = 1u;
 layout(constant_id = 1) const bool kSpecular = true;
-#define LIGHT(i, first) \
-    layout(constant_id = first) const float kKind##i = 0.0; \
+#define LIGHT(i, first)                                      \
+    layout(constant_id = first) const float kKind##i = 0.0;  \
     layout(constant_id = first + 1) const float kX##i = 0.0; \
     layout(constant_id = first + 2) const float kY##i = 0.0; \
     layout(constant_id = first + 3) const float kZ##i = 1.0; \

@@ -4,11 +4,11 @@
 #include "host/error.h"
 #include "pipeline/scene/camera.h"
 
-#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
 #include <numeric>
@@ -30,13 +30,12 @@ RenderRequest requestOf(Shading shading, const ClaimOptions& options) {
 
 // P6, section 13: the fill is the expensive step.
 ClaimTable fillingIsExpensive(Device& device, const Scene& scene, const ClaimOptions& options) {
-    ClaimTable table{
-        "P6",
-        "Filling polygons is the expensive step: it is done a pixel, the steps before it a vertex or a polygon.",
-        "One Phong picture, its passes submitted one by one and timed by the host; bin, fill and shade against all "
-        "passes before them.",
-        {},
-        {}};
+    ClaimTable table{"P6",
+                     "Filling polygons is the expensive step: it is done a pixel, the steps before it a vertex or a polygon.",
+                     "One Phong picture, its passes submitted one by one and timed by the host; bin, fill and shade against all "
+                     "passes before them.",
+                     {},
+                     {}};
     ResidentScene resident(device, scene, requestOf(Shading::phong, options));
     resident.draw();
     const RenderCounters counters = renderGpu(device, scene, requestOf(Shading::phong, options)).counters;
@@ -51,10 +50,7 @@ ClaimTable fillingIsExpensive(Device& device, const Scene& scene, const ClaimOpt
         fill.push_back(sums[1]);
     }
     const Spread one = ratioOf(before, before);
-    table.ways = {{"transform, cull, set-up",
-                   {{"vertices", counters.vertices}, {"triangles", counters.triangles}},
-                   spreadOf(before),
-                   one},
+    table.ways = {{"transform, cull, set-up", {{"vertices", counters.vertices}, {"triangles", counters.triangles}}, spreadOf(before), one},
                   {"bin, fill, shade", {{"pixels", counters.illuminations}}, spreadOf(fill), ratioOf(fill, before)}};
     if (counters.illuminations == 0) table.failure = "no pixel was filled";
     return table;
@@ -139,32 +135,24 @@ private:
 };
 
 ClaimTable linesStayLines(const Scene& scene, const ClaimOptions& options) {
-    ClaimTable table{
-        "P7",
-        "Projecting end points and drawing lines on the screen is far cheaper than projecting every point of an edge.",
-        "All edges of the mesh, painted both ways by plain code of one thread on the host.",
-        {},
-        {}};
+    ClaimTable table{"P7",
+                     "Projecting end points and drawing lines on the screen is far cheaper than projecting every point of an edge.",
+                     "All edges of the mesh, painted both ways by plain code of one thread on the host.",
+                     {},
+                     {}};
     EdgePainter painter(scene, options);
     painter.byEndPoints();
-    table.ways.push_back(
-        {"end points, then 2-D lines",
-         {{"edges", painter.edges()}, {"projections", painter.projections()}, {"pixels", painter.painted()}},
-         {},
-         {}});
+    table.ways.push_back({"end points, then 2-D lines",
+                          {{"edges", painter.edges()}, {"projections", painter.projections()}, {"pixels", painter.painted()}},
+                          {},
+                          {}});
     painter.byEveryPoint();
     table.ways.push_back(
-        {"every point",
-         {{"edges", painter.edges()}, {"projections", painter.projections()}, {"pixels", painter.painted()}},
-         {},
-         {}});
+        {"every point", {{"edges", painter.edges()}, {"projections", painter.projections()}, {"pixels", painter.painted()}}, {}, {}});
     takeTurns(table, {[&] { painter.byEndPoints(); }, [&] { painter.byEveryPoint(); }}, options);
-    if (table.ways[0].counts[2].second == 0 || table.ways[1].counts[2].second == 0)
-        table.failure = "no pixel was painted";
-    if (table.ways[0].counts[1].second != 2 * painter.edges())
-        table.failure = "end points: not two projections an edge";
-    if (table.ways[1].counts[1].second < table.ways[0].counts[1].second)
-        table.failure = "every point: fewer projections than two an edge";
+    if (table.ways[0].counts[2].second == 0 || table.ways[1].counts[2].second == 0) table.failure = "no pixel was painted";
+    if (table.ways[0].counts[1].second != 2 * painter.edges()) table.failure = "end points: not two projections an edge";
+    if (table.ways[1].counts[1].second < table.ways[0].counts[1].second) table.failure = "every point: fewer projections than two an edge";
     return table;
 }
 
@@ -182,11 +170,10 @@ ClaimTable cullingIsCheap(Device& device, const Scene& scene, const ClaimOptions
         Scene one = scene;
         one.cullBackFaces = cull;
         const RenderCounters c = renderGpu(device, one, requestOf(Shading::phong, options)).counters;
-        table.ways.push_back(
-            {cull ? "culled" : "not culled",
-             {{"triangles", c.triangles}, {"back-facing", c.culledBackFace}, {"drawn", c.drawnTriangles}},
-             {},
-             {}});
+        table.ways.push_back({cull ? "culled" : "not culled",
+                              {{"triangles", c.triangles}, {"back-facing", c.culledBackFace}, {"drawn", c.drawnTriangles}},
+                              {},
+                              {}});
         residents.push_back(std::make_unique<ResidentScene>(device, one, requestOf(Shading::phong, options)));
         works.emplace_back([resident = residents.back().get()] { resident->draw(); });
     }
@@ -213,13 +200,10 @@ ClaimTable shadingCosts(Device& device, const Scene& scene, const ClaimOptions& 
         faces += scene.meshes[object.mesh].faceCentre.size();
         vertices += scene.meshes[object.mesh].positions.size();
     }
-    const std::pair<const char*, Shading> ways[] = {
-        {"flat", Shading::flat}, {"Gouraud", Shading::gouraud}, {"Phong", Shading::phong}};
+    const std::pair<const char*, Shading> ways[] = {{"flat", Shading::flat}, {"Gouraud", Shading::gouraud}, {"Phong", Shading::phong}};
     for (const auto& [name, shading] : ways) {
         const RenderResult picture = renderGpu(device, scene, requestOf(shading, options));
-        const uint64_t wanted = shading == Shading::flat      ? faces
-                                : shading == Shading::gouraud ? vertices
-                                                              : picture.frame.coveredPixels;
+        const uint64_t wanted = shading == Shading::flat ? faces : shading == Shading::gouraud ? vertices : picture.frame.coveredPixels;
         if (picture.counters.illuminations != wanted)
             table.failure = fmt::format("{}: {} illuminations, not {}", name, picture.counters.illuminations, wanted);
         table.ways.push_back({name, {{"illuminations", picture.counters.illuminations}}, {}, {}});
@@ -251,8 +235,8 @@ void takeTurns(ClaimTable& table, const std::vector<std::function<void()>>& work
 }
 
 std::vector<ClaimTable> benchClaims(Device& device, const Scene& scene, const ClaimOptions& options) {
-    return {fillingIsExpensive(device, scene, options), linesStayLines(scene, options),
-            cullingIsCheap(device, scene, options), shadingCosts(device, scene, options)};
+    return {fillingIsExpensive(device, scene, options), linesStayLines(scene, options), cullingIsCheap(device, scene, options),
+            shadingCosts(device, scene, options)};
 }
 
 }  // namespace plumb

@@ -6,11 +6,11 @@
 
 #include "host/error.h"
 
-#include <cmath>
-#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cfloat>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <glm/glm.hpp>
 #include <span>
@@ -68,13 +68,12 @@ gpu::Rows rowsOf(const glm::dmat4& m) {
 // P1, section 10.1: every coordinate of every vertex is an equation of its own.
 ClaimTable equationsAreIndependent(Device& device, const ClaimOptions& options) {
     constexpr uint32_t kVertices = 1000000, kNotesVertices = 1000;
-    ClaimTable table{
-        "P1",
-        "1000 vertices are 3000 equations, one after another; none waits for another, so they may all be solved at "
-        "once.",
-        "A million vertices by one matrix, float32, same bytes each way; the equations of 1000 are counted.",
-        {},
-        {}};
+    ClaimTable table{"P1",
+                     "1000 vertices are 3000 equations, one after another; none waits for another, so they may all be solved at "
+                     "once.",
+                     "A million vertices by one matrix, float32, same bytes each way; the equations of 1000 are counted.",
+                     {},
+                     {}};
     ChainCounters counters;
     std::vector<glm::dvec3> counted = pointsOf(kNotesVertices);
     apply<glm::dmat4, glm::dvec3>(rotateZStep(30).matrix, counted, counters);
@@ -90,10 +89,9 @@ ClaimTable equationsAreIndependent(Device& device, const ClaimOptions& options) 
     from.upload(in);
     by.upload(matrix);
     Recorder recorder(device);
-    const auto work = std::vector<std::pair<std::string, uint64_t>>{{"vertices", kVertices},
-                                                                    {"equations of 1000 vertices", counters.equations}};
-    for (const std::string& name :
-         {std::string("one thread"), fmt::format("{} threads", threads), std::string("device")})
+    const auto work =
+        std::vector<std::pair<std::string, uint64_t>>{{"vertices", kVertices}, {"equations of 1000 vertices", counters.equations}};
+    for (const std::string& name : {std::string("one thread"), fmt::format("{} threads", threads), std::string("device")})
         table.ways.push_back({name, work, {}, {}});
     takeTurns(table,
               {[&] { verticesCpu(matrix, in, one, 1); }, [&] { verticesCpu(matrix, in, many, threads); },
@@ -102,8 +100,7 @@ ClaimTable equationsAreIndependent(Device& device, const ClaimOptions& options) 
                    recorder.run(options.watchdogMs);
                }},
               options);
-    if (counters.equations != 3 * uint64_t(kNotesVertices))
-        table.failure = fmt::format("{} equations, not 3000", counters.equations);
+    if (counters.equations != 3 * uint64_t(kNotesVertices)) table.failure = fmt::format("{} equations, not 3000", counters.equations);
     if (std::memcmp(one.data(), many.data(), one.size() * sizeof(glm::vec4)) != 0 ||
         std::memcmp(one.data(), to.data(), one.size() * sizeof(glm::vec4)) != 0)
         table.failure = "the vertices depend on how they were shared out";
@@ -126,9 +123,8 @@ ClaimTable compositeIsCheaper(ClaimTable table, const std::vector<Step3>& chain,
     };
     stepByStep();
     once();
-    table.ways = {
-        {"step by step", {{"applications", byStep.applications}, {"products", byStep.products}}, {}, {}},
-        {"one composite", {{"applications", byComposite.applications}, {"products", byComposite.products}}, {}, {}}};
+    table.ways = {{"step by step", {{"applications", byStep.applications}, {"products", byStep.products}}, {}, {}},
+                  {"one composite", {{"applications", byComposite.applications}, {"products", byComposite.products}}, {}, {}}};
     takeTurns(table,
               {[&] {
                    for (uint32_t i = 0; i < repeats; ++i) stepByStep();
@@ -139,8 +135,7 @@ ClaimTable compositeIsCheaper(ClaimTable table, const std::vector<Step3>& chain,
               options);
     const auto& first = table.ways[0].counts;
     const auto& second = table.ways[1].counts;
-    if (first[0].second != chain.size() * vertices || second[0].second != vertices ||
-        second[1].second != chain.size() - 1)
+    if (first[0].second != chain.size() * vertices || second[0].second != vertices || second[1].second != chain.size() - 1)
         table.failure = "the counts are not those of the chain";
     const double bound = kRoundings * DBL_EPSILON / 2 * 4 * largestOf(chain, start);
     if (const double off = largestDifference(stepped, composed); !(off <= bound))
@@ -150,17 +145,15 @@ ClaimTable compositeIsCheaper(ClaimTable table, const std::vector<Step3>& chain,
 
 // P4, section 10.2.2: products of pairs do not wait for one another.
 ClaimTable treesAreShallow(const std::vector<Step3>& chain, const ClaimOptions& options) {
-    ClaimTable table{
-        "P4",
-        "The composite of seven matrices takes six products that wait for one another, or three levels of "
-        "products that do not; with "
-        "enough hardware the whole job is 3 + 1 time steps instead of 7 a vertex.",
-        fmt::format(
-            "The composite formed both ways by one thread, {} times. The products are as many, and the tree also "
-            "keeps its nodes; what falls is how many wait for one another.",
-            kRepeats),
-        {},
-        {}};
+    ClaimTable table{"P4",
+                     "The composite of seven matrices takes six products that wait for one another, or three levels of "
+                     "products that do not; with "
+                     "enough hardware the whole job is 3 + 1 time steps instead of 7 a vertex.",
+                     fmt::format("The composite formed both ways by one thread, {} times. The products are as many, and the tree also "
+                                 "keeps its nodes; what falls is how many wait for one another.",
+                                 kRepeats),
+                     {},
+                     {}};
     ChainCounters inRow, inTree;
     const glm::dmat4 row = productsOf<glm::dmat4>(chain, inRow).back();
     const auto levels = treeOf<glm::dmat4>(chain, inTree);
@@ -173,8 +166,7 @@ ClaimTable treesAreShallow(const std::vector<Step3>& chain, const ClaimOptions& 
                    for (uint32_t i = 0; i < kRepeats; ++i) kept += productsOf<glm::dmat4>(chain, inRow).back()[3][0];
                },
                [&] {
-                   for (uint32_t i = 0; i < kRepeats; ++i)
-                       kept += treeOf<glm::dmat4>(chain, inTree).back().front().matrix[3][0];
+                   for (uint32_t i = 0; i < kRepeats; ++i) kept += treeOf<glm::dmat4>(chain, inTree).back().front().matrix[3][0];
                }},
               options);
     PLUMB_ASSERT(std::isfinite(kept));
@@ -188,8 +180,7 @@ ClaimTable treesAreShallow(const std::vector<Step3>& chain, const ClaimOptions& 
             off = std::max(off, std::abs(row[c][r] - tree[c][r]));
         }
     const double bound = kRoundings * DBL_EPSILON / 2 * 4 * most;
-    if (!(off <= bound))
-        table.failure = fmt::format("tree and row differ by {:g}, more than rounding allows ({:g})", off, bound);
+    if (!(off <= bound)) table.failure = fmt::format("tree and row differ by {:g}, more than rounding allows ({:g})", off, bound);
     return table;
 }
 

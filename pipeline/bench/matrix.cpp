@@ -8,11 +8,11 @@
 
 #include "host/binary64.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <random>
 #include <span>
@@ -23,10 +23,12 @@ namespace plumb {
 namespace {
 
 constexpr uint32_t kMatrices = gpu::kMostMatrices;
-constexpr uint32_t kPerLane = 1024;     // of the tree: a shallow one, since each level is a dispatch
+constexpr uint32_t kPerLane = 1024;  // of the tree: a shallow one, since each level is a dispatch
 constexpr double kU = 0x1p-24;
 
-uint32_t threadsOf(const MatrixOptions& options) { return options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency()); }
+uint32_t threadsOf(const MatrixOptions& options) {
+    return options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+}
 
 // A rotation, so that no chain grows or fades, with a small shift.
 glm::dmat4 randomMotion(std::mt19937_64& random) {
@@ -68,7 +70,8 @@ struct Way {
 using Kind = Way::Kind;
 
 // Every round runs every way and the bandwidth once.
-void measure(MatrixTable& table, std::vector<Way>& ways, const std::function<void()>& memory, double memoryBytes, const MatrixOptions& options) {
+void measure(MatrixTable& table, std::vector<Way>& ways, const std::function<void()>& memory, double memoryBytes,
+             const MatrixOptions& options) {
     std::vector<double> memoryMs, glmMs;
     memory();
     for (Way& way : ways) way.run(), way.run();
@@ -131,7 +134,8 @@ double errorOfVertices(std::span<const glm::vec4> got, std::span<const glm::dvec
 
 // Reads `from` and writes `to`, as large as what the ways read and write.
 void copyAll(std::span<const glm::vec4> from, std::span<glm::vec4> to, uint32_t threads) {
-    parallelBands(from.size(), 65536, threads, [&](uint64_t begin, uint64_t end) { std::memcpy(&to[begin], &from[begin], (end - begin) * 16); });
+    parallelBands(from.size(), 65536, threads,
+                  [&](uint64_t begin, uint64_t end) { std::memcpy(&to[begin], &from[begin], (end - begin) * 16); });
 }
 
 }  // namespace
@@ -186,7 +190,8 @@ MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& o
         ways.back().products = matrices * count, ways.back().steps = matrices;
     };
     // The results of a way are the last ones in the array when it is asked: it runs once more, and `twinRuns` leaves the same bytes in `twin`.
-    const auto onDevice = [&](const std::string& name, Kind kind, const std::function<void()>& record, uint64_t matrices, const std::function<void()>& twinRuns) {
+    const auto onDevice = [&](const std::string& name, Kind kind, const std::function<void()>& record, uint64_t matrices,
+                              const std::function<void()>& twinRuns) {
         const auto run = [&, record] {
             record();
             recorder.run(options.watchdogMs);
@@ -203,48 +208,67 @@ MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& o
         ways.back().products = matrices * count, ways.back().steps = matrices;
     };
     const auto parallel = [&](uint32_t with, const std::function<void(std::span<const glm::vec4>, std::span<glm::vec4>)>& work) {
-        parallelBands(count, 65536, with, [&](uint64_t begin, uint64_t end) { work(vertices.subspan(begin, end - begin), results.subspan(begin, end - begin)); });
+        parallelBands(count, 65536, with, [&](uint64_t begin, uint64_t end) {
+            work(vertices.subspan(begin, end - begin), results.subspan(begin, end - begin));
+        });
     };
-    onDevice("device, store alone", Kind::partial, [&] { recordMarks(recorder, limits, count, in, oneOnDevice, out); }, 0, [&] {
-        for (uint64_t i = 0; i < count; ++i) twin[i] = gpu::markOf(one[0], uint32_t(i % verticesPerDispatch(limits)));
-    });
-    onDevice(table.ceiling, Kind::partial, [&] { recordVertices(recorder, limits, 0, count, in, oneOnDevice, out); }, 0, [&] { verticesCpu({}, vertices, twin, threads); });
-    onDevice("device, one composite", Kind::device, [&] { recordVertices(recorder, limits, 1, count, in, oneOnDevice, out); }, 1, [&] { verticesCpu(one, vertices, twin, threads); });
+    onDevice(
+        "device, store alone", Kind::partial, [&] { recordMarks(recorder, limits, count, in, oneOnDevice, out); }, 0,
+        [&] {
+            for (uint64_t i = 0; i < count; ++i) twin[i] = gpu::markOf(one[0], uint32_t(i % verticesPerDispatch(limits)));
+        });
+    onDevice(
+        table.ceiling, Kind::partial, [&] { recordVertices(recorder, limits, 0, count, in, oneOnDevice, out); }, 0,
+        [&] { verticesCpu({}, vertices, twin, threads); });
+    onDevice(
+        "device, one composite", Kind::device, [&] { recordVertices(recorder, limits, 1, count, in, oneOnDevice, out); }, 1,
+        [&] { verticesCpu(one, vertices, twin, threads); });
     const auto onDeviceLong = [&](const std::string& name, Numbers numbers) {
-        onDevice(name, Kind::device, [&, numbers] { recordLongVertices(recorder, limits, numbers, count, in, longOnDevice, out); }, 1,
-                 [&, numbers] { longVerticesCpu(numbers, longRecord, vertices, twin, threads); });
+        onDevice(
+            name, Kind::device, [&, numbers] { recordLongVertices(recorder, limits, numbers, count, in, longOnDevice, out); }, 1,
+            [&, numbers] { longVerticesCpu(numbers, longRecord, vertices, twin, threads); });
     };
     onDeviceLong("device, one composite, block-scaled integers", Numbers::blockInteger);
     if (const std::string lacks = lacksBinary64(device); lacks.empty())
         onDeviceLong("device, one composite, binary64", Numbers::fp64);
     else
         table.absent.push_back("device, one composite, binary64: " + lacks);
-    onDevice("device, 7 one after another", Kind::device, [&] { recordVertices(recorder, limits, kMatrices, count, in, sevenOnDevice, out); }, kMatrices,
-             [&] { verticesCpu(seven, vertices, twin, threads); });
+    onDevice(
+        "device, 7 one after another", Kind::device, [&] { recordVertices(recorder, limits, kMatrices, count, in, sevenOnDevice, out); },
+        kMatrices, [&] { verticesCpu(seven, vertices, twin, threads); });
     onHost("twin, one composite", Kind::host, [&] { verticesCpu(one, vertices, results, threads); });
-    onHost("twin, 7 one after another", Kind::host, [&] { verticesCpu(seven, vertices, results, threads); }, kMatrices);
+    onHost(
+        "twin, 7 one after another", Kind::host, [&] { verticesCpu(seven, vertices, results, threads); }, kMatrices);
     onHost("GLM, one composite, 1 thread", Kind::glm, [&] { peers::glmVertices(composite, vertices, results); });
-    onHost(fmt::format("GLM, one composite, {} threads", threads), Kind::glm, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices(composite, a, b); }); });
-    onHost(fmt::format("GLM, 7 one after another, {} threads", threads), Kind::host, [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices7(single, a, b); }); }, kMatrices);
-    onHost(fmt::format("binary64, 7 one after another, rounded once, {} threads", threads), Kind::host, [&] {
-        parallel(threads, [&](std::span<const glm::vec4> from, std::span<glm::vec4> to) {
-            for (size_t i = 0; i < from.size(); ++i) {
-                glm::dvec4 v(from[i]);
-                for (const glm::dmat4& m : exact) v = m * v;
-                to[i] = glm::vec4(v);
-            }
-        });
-    }, kMatrices);
+    onHost(fmt::format("GLM, one composite, {} threads", threads), Kind::glm,
+           [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices(composite, a, b); }); });
+    onHost(
+        fmt::format("GLM, 7 one after another, {} threads", threads), Kind::host,
+        [&] { parallel(threads, [&](auto a, auto b) { peers::glmVertices7(single, a, b); }); }, kMatrices);
+    onHost(
+        fmt::format("binary64, 7 one after another, rounded once, {} threads", threads), Kind::host,
+        [&] {
+            parallel(threads, [&](std::span<const glm::vec4> from, std::span<glm::vec4> to) {
+                for (size_t i = 0; i < from.size(); ++i) {
+                    glm::dvec4 v(from[i]);
+                    for (const glm::dmat4& m : exact) v = m * v;
+                    to[i] = glm::vec4(v);
+                }
+            });
+        },
+        kMatrices);
     std::string why;
     if (peers::hasEigen(why))
-        onHost(fmt::format("Eigen, one composite, {} threads", threads), Kind::host, [&] { parallel(threads, [&](auto a, auto b) { peers::eigenVertices(composite, a, b); }); });
+        onHost(fmt::format("Eigen, one composite, {} threads", threads), Kind::host,
+               [&] { parallel(threads, [&](auto a, auto b) { peers::eigenVertices(composite, a, b); }); });
     else
         table.absent.push_back("Eigen: " + why);
     if (peers::hasOpenBlas(why))
         onHost("OpenBLAS sgemm, one composite", Kind::host, [&] { peers::openBlasVertices(composite, vertices, results); });
     else
         table.absent.push_back("OpenBLAS: " + why);
-    measure(table, ways, [&] { copyAll(vertices, results, threads); }, double(count) * table.bytesEach, options);
+    measure(
+        table, ways, [&] { copyAll(vertices, results, threads); }, double(count) * table.bytesEach, options);
     return table;
 }
 
@@ -263,7 +287,8 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
         all = all * LongMatrix(m);
     }
     const glm::dmat4 wanted(all);
-    Buffer<gpu::Rows> in(device, count, "chain"), left(device, count / 2 + 1, "products"), right(device, count / 4 + 1, "products of products");
+    Buffer<gpu::Rows> in(device, count, "chain"), left(device, count / 2 + 1, "products"),
+        right(device, count / 4 + 1, "products of products");
     std::transform(chain.begin(), chain.end(), in.span().begin(), rowsOf);
     const std::span<const gpu::Rows> rows = std::as_const(in).span();
     Recorder recorder(device);
@@ -302,7 +327,8 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
             treeOnDevice(level, perLane);
             const gpu::Rows got = last->span()[0], want = treeOnTwin(level, perLane);
             const auto bytesOf = [](const gpu::Rows& of) { return std::as_bytes(std::span(&of, 1)); };
-            if (!std::ranges::equal(bytesOf(got), bytesOf(want))) table.failure = fmt::format("a chain of {}, {}: device and twin differ", count, name);
+            if (!std::ranges::equal(bytesOf(got), bytesOf(want)))
+                table.failure = fmt::format("a chain of {}, {}: device and twin differ", count, name);
             return kind == Kind::partial ? 0 : errorOfMatrix(matrixOf(got), wanted);
         };
         ways.push_back({name, [&, level, perLane] { treeOnDevice(level, perLane); }, error, kind});
@@ -314,23 +340,28 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
     if (count <= gpu::kMostPerLane)
         tree("device, sequential", Kind::device, Level::products, uint32_t(std::max<uint64_t>(2, count)));
     else
-        table.absent.push_back(fmt::format("device, sequential: an invocation multiplies at most {} (a loop of lavapipe ends after 65,535 steps), the chain has {}", gpu::kMostPerLane, count));
+        table.absent.push_back(fmt::format(
+            "device, sequential: an invocation multiplies at most {} (a loop of lavapipe ends after 65,535 steps), the chain has {}",
+            gpu::kMostPerLane, count));
     glm::mat4 product(1);
     ways.push_back({fmt::format("twin, tree of {}", kPerLane), [&] { product = matrixOf(treeOnTwin(Level::products, kPerLane)); },
                     [&] { return errorOfMatrix(matrixOf(treeOnTwin(Level::products, kPerLane)), wanted); }});
     counted(kPerLane);
     const auto glmSequential = [&] { product = peers::glmChain(chain); };
-    ways.push_back({"GLM, sequential", glmSequential, [&, glmSequential] { return glmSequential(), errorOfMatrix(product, wanted); }, Kind::glm});
+    ways.push_back(
+        {"GLM, sequential", glmSequential, [&, glmSequential] { return glmSequential(), errorOfMatrix(product, wanted); }, Kind::glm});
     counted(std::max<uint64_t>(2, count));
     const auto glmTree = [&] {
         const uint64_t part = (count + threads - 1) / threads;
         std::vector<glm::mat4> parts((count + part - 1) / part);
         parallelBands(parts.size(), 1, threads, [&](uint64_t begin, uint64_t end) {
-            for (uint64_t i = begin; i < end; ++i) parts[i] = peers::glmChain(std::span<const glm::mat4>(chain).subspan(i * part, std::min(part, count - i * part)));
+            for (uint64_t i = begin; i < end; ++i)
+                parts[i] = peers::glmChain(std::span<const glm::mat4>(chain).subspan(i * part, std::min(part, count - i * part)));
         });
         product = peers::glmChain(parts);
     };
-    ways.push_back({fmt::format("GLM, {} parts, {} threads", threads, threads), glmTree, [&, glmTree] { return glmTree(), errorOfMatrix(product, wanted); }});
+    ways.push_back({fmt::format("GLM, {} parts, {} threads", threads, threads), glmTree,
+                    [&, glmTree] { return glmTree(), errorOfMatrix(product, wanted); }});
     ways.back().products = count - 1;
     ways.back().steps = (count + threads - 1) / threads - 1 + std::min<uint64_t>(threads, count) - 1;
     const auto binary64 = [&] {

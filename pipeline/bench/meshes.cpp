@@ -12,7 +12,7 @@ namespace plumb {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFovY = 0.9;           // radians
+constexpr double kFovY = 0.9;  // radians
 constexpr uint32_t kLayers = 20;
 constexpr uint32_t kMostLights = 64;
 
@@ -161,14 +161,18 @@ double sizeBehind(const std::string& name, const std::string& prefix) {
 }  // namespace
 
 std::vector<std::string> benchSceneNames() {
-    return {"sphere1e3", "sphere1e4", "sphere1e5", "knot1e5", "sphere1e6", "displaced1e6", "knot1e6", "full-screen", "layers-b2f", "layers-f2b"};
+    return {"sphere1e3",    "sphere1e4", "sphere1e5",   "knot1e5",    "sphere1e6",
+            "displaced1e6", "knot1e6",   "full-screen", "layers-b2f", "layers-f2b"};
 }
 
 std::optional<Scene> benchScene(const std::string& name, double aspect) {
-    if (const double size = sizeBehind(name, "sphere"); size > 0) return sceneOf(sphere(uint32_t(std::lround(std::sqrt(size) / 2)), 0), 2.6, name);
-    if (const double size = sizeBehind(name, "displaced"); size > 0) return sceneOf(sphere(uint32_t(std::lround(std::sqrt(size) / 2)), 0.15), 2.6, name);
+    if (const double size = sizeBehind(name, "sphere"); size > 0)
+        return sceneOf(sphere(uint32_t(std::lround(std::sqrt(size) / 2)), 0), 2.6, name);
+    if (const double size = sizeBehind(name, "displaced"); size > 0)
+        return sceneOf(sphere(uint32_t(std::lround(std::sqrt(size) / 2)), 0.15), 2.6, name);
     if (const double size = sizeBehind(name, "knot"); size > 0) return sceneOf(knot(uint32_t(std::lround(std::sqrt(size) / 4))), 2.2, name);
-    if (const double count = numberBehind(name, "lights"); count >= 1 && count <= kMostLights && count == std::floor(count)) return lit(uint32_t(count), name);
+    if (const double count = numberBehind(name, "lights"); count >= 1 && count <= kMostLights && count == std::floor(count))
+        return lit(uint32_t(count), name);
     if (name == "full-screen") return sceneOf(layers(1, true, aspect), 3, name);
     if (name == "layers-b2f") return sceneOf(layers(kLayers, true, aspect), 3, name);
     if (name == "layers-f2b") return sceneOf(layers(kLayers, false, aspect), 3, name);

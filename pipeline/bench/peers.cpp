@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/bench/peers.h"
 
-#include <cstdlib>
 #include <dlfcn.h>
+#include <cstdlib>
 
 #ifdef PLUMB_EIGEN
 #include <Eigen/Core>
@@ -18,8 +18,8 @@
 namespace plumb::peers {
 namespace {
 
-using Sgemm = void (*)(int order, int transA, int transB, int m, int n, int k, float alpha, const float* a, int lda, const float* b, int ldb,
-                       float beta, float* c, int ldc);
+using Sgemm = void (*)(int order, int transA, int transB, int m, int n, int k, float alpha, const float* a, int lda, const float* b,
+                       int ldb, float beta, float* c, int ldc);
 
 Sgemm openBlas() {
     static const Sgemm kFound = [] {

@@ -3,9 +3,6 @@
 
 #include "pipeline/passes/parallel.h"
 
-#include <algorithm>
-#include <cstdint>
-#include <glm/glm.hpp>
 #include <spirv/chain.h>
 #include <spirv/vertices.h>
 #include <spirv/vertices_block.h>
@@ -13,6 +10,9 @@
 #include <spirv/vertices_double.h>
 #include <spirv/vertices_double_int64.h>
 #include <spirv/vertices_int64.h>
+#include <algorithm>
+#include <cstdint>
+#include <glm/glm.hpp>
 
 namespace plumb {
 namespace {
@@ -30,7 +30,7 @@ constexpr uint32_t kLargeGroup = 64, kSmallGroup = 8;
 
 struct VerticesKernel {
     const Module& narrow;
-    const Module& int64;                // the same with stores of 64 bits
+    const Module& int64;  // the same with stores of 64 bits
     Specialization constants;
 };
 
@@ -40,9 +40,11 @@ void recordPairs(Recorder& recorder, const DeviceLimits& limits, const VerticesK
     const uint64_t most = verticesPerDispatch(limits);
     for (uint64_t first = 0; first < count; first += most) {
         const uint64_t here = std::min(most, count - first), pairs = pairsOf(here);
-        recorder.dispatch("vertices", limits.int64 ? kernel.int64 : kernel.narrow, (pairs + gpu::kPairsPerLane - 1) / gpu::kPairsPerLane,
-                          gpu::VerticesPush{0, uint32_t(here)},
-                          {texels("vertices", in, View::texelF32x4, first * 16, here * 16), matrices, storage("Results", out, first / 2, pairs)}, kernel.constants);
+        recorder.dispatch(
+            "vertices", limits.int64 ? kernel.int64 : kernel.narrow, (pairs + gpu::kPairsPerLane - 1) / gpu::kPairsPerLane,
+            gpu::VerticesPush{0, uint32_t(here)},
+            {texels("vertices", in, View::texelF32x4, first * 16, here * 16), matrices, storage("Results", out, first / 2, pairs)},
+            kernel.constants);
     }
 }
 
@@ -58,7 +60,8 @@ void verticesCpu(std::span<const gpu::Rows> matrices, std::span<const glm::vec4>
     });
 }
 
-void longVerticesCpu(Numbers numbers, const gpu::LongRecord& composite, std::span<const glm::vec4> in, std::span<glm::vec4> out, uint32_t threads) {
+void longVerticesCpu(Numbers numbers, const gpu::LongRecord& composite, std::span<const glm::vec4> in, std::span<glm::vec4> out,
+                     uint32_t threads) {
     PLUMB_ASSERT(numbers != Numbers::fp32);
     parallelBands(in.size(), 65536, threads, [&](uint64_t begin, uint64_t end) {
         for (uint64_t i = begin; i < end; ++i)
@@ -71,7 +74,8 @@ void chainLevelCpu(Level level, uint32_t perLane, std::span<const gpu::Rows> in,
         for (uint64_t lane = begin; lane < end; ++lane) {
             const std::span<const gpu::Rows> factors = in.subspan(lane * perLane, std::min<uint64_t>(perLane, in.size() - lane * perLane));
             gpu::Rows product = factors[0];
-            for (const gpu::Rows& factor : factors.subspan(1)) product = level == Level::products ? gpu::timesMatrix(product, factor) : gpu::sumOfRows(product, factor);
+            for (const gpu::Rows& factor : factors.subspan(1))
+                product = level == Level::products ? gpu::timesMatrix(product, factor) : gpu::sumOfRows(product, factor);
             out[lane] = product;
         }
     });
@@ -82,12 +86,14 @@ uint64_t verticesPerDispatch(const DeviceLimits& limits) { return mostOfBinding(
 void recordVertices(Recorder& recorder, const DeviceLimits& limits, uint32_t matrixCount, uint64_t count, const Buffer<glm::vec4>& in,
                     const Buffer<gpu::Rows>& matrices, const Buffer<gpu::VertexPair>& out) {
     PLUMB_ASSERT(matrixCount <= gpu::kMostMatrices);
-    recordPairs(recorder, limits, {spirv::vertices, spirv::vertices_int64, {{"kMatrices", matrixCount}, {"kLoads", true}}}, count, in, storage("Matrices", matrices), out);
+    recordPairs(recorder, limits, {spirv::vertices, spirv::vertices_int64, {{"kMatrices", matrixCount}, {"kLoads", true}}}, count, in,
+                storage("Matrices", matrices), out);
 }
 
-void recordMarks(Recorder& recorder, const DeviceLimits& limits, uint64_t count, const Buffer<glm::vec4>& in, const Buffer<gpu::Rows>& matrices,
-                 const Buffer<gpu::VertexPair>& out) {
-    recordPairs(recorder, limits, {spirv::vertices, spirv::vertices_int64, {{"kMatrices", 1}, {"kLoads", false}}}, count, in, storage("Matrices", matrices), out);
+void recordMarks(Recorder& recorder, const DeviceLimits& limits, uint64_t count, const Buffer<glm::vec4>& in,
+                 const Buffer<gpu::Rows>& matrices, const Buffer<gpu::VertexPair>& out) {
+    recordPairs(recorder, limits, {spirv::vertices, spirv::vertices_int64, {{"kMatrices", 1}, {"kLoads", false}}}, count, in,
+                storage("Matrices", matrices), out);
 }
 
 void recordLongVertices(Recorder& recorder, const DeviceLimits& limits, Numbers numbers, uint64_t count, const Buffer<glm::vec4>& in,
@@ -99,8 +105,8 @@ void recordLongVertices(Recorder& recorder, const DeviceLimits& limits, Numbers 
     recordPairs(recorder, limits, kernel, count, in, storage("Longs", composite), out);
 }
 
-void recordChainLevel(Recorder& recorder, const DeviceLimits& limits, Level level, uint32_t perLane, uint64_t count, const Buffer<gpu::Rows>& in,
-                      const Buffer<gpu::Rows>& out) {
+void recordChainLevel(Recorder& recorder, const DeviceLimits& limits, Level level, uint32_t perLane, uint64_t count,
+                      const Buffer<gpu::Rows>& in, const Buffer<gpu::Rows>& out) {
     PLUMB_ASSERT(perLane >= 2 && perLane <= gpu::kMostPerLane);
     // Both ends of a chunk must meet the alignment of a binding, at most 256 bytes: four products.
     const uint64_t most = count * sizeof(gpu::Rows) <= limits.storageRangeBytes && count * 4 <= limits.texelElements
@@ -108,10 +114,12 @@ void recordChainLevel(Recorder& recorder, const DeviceLimits& limits, Level leve
                               : mostOfBinding(limits, sizeof(gpu::Rows), 4, uint64_t(perLane) * 4);
     for (uint64_t first = 0; first < count; first += most) {
         const uint64_t here = std::min(most, count - first), lanes = (here + perLane - 1) / perLane;
-        const Specialization constants = {{"kMultiplies", level == Level::products}, {"kLocalSizeX", lanes > kManyLanes ? kLargeGroup : kSmallGroup},
+        const Specialization constants = {{"kMultiplies", level == Level::products},
+                                          {"kLocalSizeX", lanes > kManyLanes ? kLargeGroup : kSmallGroup},
                                           {"kPerLane", std::min(perLane, gpu::kFactorsPerStep + 1)}};
-        recorder.dispatch("chain", spirv::chain, lanes, gpu::ChainPush{0, uint32_t(here), perLane, uint32_t(lanes)},
-                          {texels("factors", in, View::texelF32x4, first * 64, here * 64), storage("Products", out, first / perLane, lanes)}, constants);
+        recorder.dispatch(
+            "chain", spirv::chain, lanes, gpu::ChainPush{0, uint32_t(here), perLane, uint32_t(lanes)},
+            {texels("factors", in, View::texelF32x4, first * 64, here * 64), storage("Products", out, first / perLane, lanes)}, constants);
     }
 }
 

@@ -5,11 +5,11 @@
 #include "pipeline/bench/agreement.h"
 #include "pipeline/render/prepare.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <fmt/core.h>
 
 #include <bench_spirv/baseline_frag.h>
 #include <bench_spirv/baseline_vert.h>
@@ -20,8 +20,8 @@
 namespace plumb {
 namespace {
 
-constexpr uint32_t kMostLights = 4;     // of baseline.frag
-constexpr uint32_t kWarmFrames = 3;     // of each side: shaders are compiled at the first, memory is touched by the second
+constexpr uint32_t kMostLights = 4;  // of baseline.frag
+constexpr uint32_t kWarmFrames = 3;  // of each side: shaders are compiled at the first, memory is touched by the second
 
 // As baseline.glsl has it.
 struct BaselinePush {
@@ -46,13 +46,14 @@ public:
             const gpu::ObjectRecord& o = list.objects[r.record];
             for (uint32_t v = r.firstVertex; v < r.firstVertex + r.vertexCount; ++v) {
                 const glm::vec3 n(list.normals[v]);
-                vertices_.span()[v] = {glm::vec3(list.positions[v]),
-                                       {gpu::rowTimesVector(o.normal0, n), gpu::rowTimesVector(o.normal1, n), gpu::rowTimesVector(o.normal2, n)}};
+                vertices_.span()[v] = {
+                    glm::vec3(list.positions[v]),
+                    {gpu::rowTimesVector(o.normal0, n), gpu::rowTimesVector(o.normal1, n), gpu::rowTimesVector(o.normal2, n)}};
             }
             addDraws(list, r);
         }
-        pipeline_.record(uint32_t(list.frame.width), uint32_t(list.frame.height),
-                         {0, 0, float(list.frame.width), float(list.frame.height)}, 0, vertices_, indices_, draws_, false);
+        pipeline_.record(uint32_t(list.frame.width), uint32_t(list.frame.height), {0, 0, float(list.frame.width), float(list.frame.height)},
+                         0, vertices_, indices_, draws_, false);
     }
     void draw(double watchdogMs) { pipeline_.run(watchdogMs); }
     std::span<const uint32_t> pixels() const { return pipeline_.colour(); }
@@ -64,7 +65,8 @@ private:
         setup.vertexWords = kBaselineVert;
         setup.fragmentWords = kBaselineFrag;
         setup.vertexBytes = sizeof(BaselineVertex);
-        setup.inputs = {{VertexFormat::float3, offsetof(BaselineVertex, position)}, {VertexFormat::float3, offsetof(BaselineVertex, normal)}};
+        setup.inputs = {{VertexFormat::float3, offsetof(BaselineVertex, position)},
+                        {VertexFormat::float3, offsetof(BaselineVertex, normal)}};
         setup.cullBackFaces = prepared.list.cullBackFaces != 0;
         setup.pushBytes = sizeof(BaselinePush);
         setup.fragmentConstants = {uint32_t(lights.size()), prepared.choices.parts.specular ? 1u : 0u};
@@ -89,8 +91,15 @@ private:
             draw.indexCount = filled_ - draw.firstIndex;
             if (draw.indexCount == 0) continue;
             const gpu::MaterialRecord& material = list.materials[m];
-            const BaselinePush push{o.rowX * perX, o.rowY * perY, o.rowW, {material.base, material.shininess}, {material.diffuse, list.rayOrigin.x},
-                                    {material.specular, list.rayOrigin.y}, {list.rayX, list.rayOrigin.z}, list.rayY, list.viewport.near};
+            const BaselinePush push{o.rowX * perX,
+                                    o.rowY * perY,
+                                    o.rowW,
+                                    {material.base, material.shininess},
+                                    {material.diffuse, list.rayOrigin.x},
+                                    {material.specular, list.rayOrigin.y},
+                                    {list.rayX, list.rayOrigin.z},
+                                    list.rayY,
+                                    list.viewport.near};
             draw.push.resize(sizeof push / 4);
             std::memcpy(draw.push.data(), &push, sizeof push);
             draws_.push_back(std::move(draw));
@@ -109,7 +118,7 @@ RenderRequest requestOf(const RasterOptions& options) {
     request.width = options.width;
     request.height = options.height;
     request.shading = Shading::phong;
-    request.encoding = Encoding::linear;   // an R8G8B8A8_UNORM attachment encodes linearly
+    request.encoding = Encoding::linear;  // an R8G8B8A8_UNORM attachment encodes linearly
     request.watchdogMs = options.watchdogMs;
     return request;
 }
@@ -156,7 +165,8 @@ RasterRow benchRaster(Device& device, const Scene& scene, const std::string& nam
     const RenderRequest request = requestOf(options);
     const Prepared prepared = prepare(scene, request);
     if (prepared.list.lights.size() > kMostLights)
-        throw inputError(scene.path, fmt::format("{} lights; the graphics pipeline of the benchmark takes at most {}", prepared.list.lights.size(), kMostLights));
+        throw inputError(scene.path, fmt::format("{} lights; the graphics pipeline of the benchmark takes at most {}",
+                                                 prepared.list.lights.size(), kMostLights));
     Baseline graphics(device, prepared);
     ResidentScene compute(device, scene, request);
 
@@ -169,8 +179,9 @@ RasterRow benchRaster(Device& device, const Scene& scene, const std::string& nam
     const auto drawGraphics = [&] { graphics.draw(options.watchdogMs); };
     const auto drawCompute = [&] { picture = compute.draw(); };
     for (uint32_t i = 0; i < kWarmFrames; ++i) drawGraphics(), drawCompute();
-    row.agreement = agreementOf(prepared.list, options.width, options.height,
-                                {picture.pixels, size_t(picture.pitch) * (picture.height - 1) + picture.width}, picture.pitch, graphics.pixels());
+    row.agreement =
+        agreementOf(prepared.list, options.width, options.height,
+                    {picture.pixels, size_t(picture.pitch) * (picture.height - 1) + picture.width}, picture.pitch, graphics.pixels());
     std::vector<double> graphicsMs, computeMs;
     for (uint32_t i = 0; i < options.pairs; ++i) {
         if (options.onProgress) options.onProgress(double(i) / options.pairs);

@@ -17,12 +17,12 @@ namespace plumb {
 // both sides round corners to 1/256 pixel, each by at most half of it in x and in y.
 struct Agreement {
     uint64_t pixels = 0, covered = 0;
-    uint64_t coverageDiffers = 0;         // drawn by one side only
-    uint64_t unexplained = 0;             // of these: further than kSnapPixels from every edge
-    double furthestPixels = 0;            // largest distance among those that differ
-    int colourMost = 0;                   // levels, over pixels that both drew
-    uint64_t colourOver4 = 0;             // pixels with a channel that differs by more than 4 levels
-    std::string failure;                  // empty: they agree
+    uint64_t coverageDiffers = 0;  // drawn by one side only
+    uint64_t unexplained = 0;      // of these: further than kSnapPixels from every edge
+    double furthestPixels = 0;     // largest distance among those that differ
+    int colourMost = 0;            // levels, over pixels that both drew
+    uint64_t colourOver4 = 0;      // pixels with a channel that differs by more than 4 levels
+    std::string failure;           // empty: they agree
 };
 inline constexpr double kSnapPixels = 1.0 / 256;
 // Colours come from different arithmetic (native pow and root on one side), and at a silhouette or a crossing of surfaces from different
@@ -33,12 +33,12 @@ struct RasterRow {
     std::string name;
     uint64_t triangles = 0;
     uint32_t width = 0, height = 0;
-    bool resident = false;                // ours drew in place: nothing uploaded in the loop
+    bool resident = false;  // ours drew in place: nothing uploaded in the loop
     Spread graphicsMs, computeMs;
-    Spread ratio;                         // graphics / compute of each pair; above 1 the passes win
+    Spread ratio;  // graphics / compute of each pair; above 1 the passes win
     double ratioOfLeast = 0;
     RenderCounters counters;
-    std::vector<PassTime> passes;         // medians of a few pictures drawn pass by pass
+    std::vector<PassTime> passes;  // medians of a few pictures drawn pass by pass
     Agreement agreement;
 };
 
@@ -46,7 +46,7 @@ struct RasterOptions {
     uint32_t width = 1920, height = 1080;
     uint32_t pairs = 50;
     double watchdogMs = 60000;
-    std::function<void(double)> onProgress;   // 0..1; may throw
+    std::function<void(double)> onProgress;  // 0..1; may throw
 };
 
 // `scene` is complete (camera, lights). Throws Error(device) when the device has no graphics pipeline, Error(input) for a scene that

@@ -6,12 +6,12 @@
 #include "pipeline/passes/parallel.h"
 #include "pipeline/render/trace_frame.h"
 
-#include <algorithm>
-#include <cstdint>
 #include <fmt/format.h>
-#include <cmath>
-#include <cstdlib>
 #include <fmt/ranges.h>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <glm/glm.hpp>
 
 namespace plumb {
@@ -35,9 +35,8 @@ Scene spheresOverBoard(uint32_t count) {
     Scene scene;
     scene.path = fmt::format("spheres{}", count);
     scene.materials.push_back({});
-    const uint32_t colours[4] = {
-        addMaterial(scene, {0.8f, 0.2f, 0.2f}, 0.5f), addMaterial(scene, {0.2f, 0.7f, 0.3f}, 0.5f),
-        addMaterial(scene, {0.2f, 0.4f, 0.9f}, 0.5f), addMaterial(scene, {0.9f, 0.8f, 0.3f}, 0.5f)};
+    const uint32_t colours[4] = {addMaterial(scene, {0.8f, 0.2f, 0.2f}, 0.5f), addMaterial(scene, {0.2f, 0.7f, 0.3f}, 0.5f),
+                                 addMaterial(scene, {0.2f, 0.4f, 0.9f}, 0.5f), addMaterial(scene, {0.9f, 0.8f, 0.3f}, 0.5f)};
     const uint32_t dark = addMaterial(scene, glm::vec3(0.15f), 0.1f), light = addMaterial(scene, glm::vec3(0.9f), 0.1f);
     const uint32_t columns = count > 4 ? 5 : count;
     for (uint32_t i = 0; i < count; ++i) {
@@ -67,8 +66,7 @@ Scene spheresOverBoard(uint32_t count) {
 }
 
 // Sides take turns in going first.
-void measurePairs(TraceRow& row, const TraceBenchOptions& options, const std::function<void()>& ours,
-                  const std::function<void()>& theirs) {
+void measurePairs(TraceRow& row, const TraceBenchOptions& options, const std::function<void()>& ours, const std::function<void()>& theirs) {
     ours();
     theirs();
     std::vector<double> mine, other;
@@ -92,8 +90,8 @@ void judge(TraceRow& row) {
     row.allowed = kTraceShare;
     const double share = double(row.differ) / (double(row.width) * row.height);
     if (!(share <= kTraceShare))
-        row.failure = fmt::format("{} of {} pixels disagree, more than {:g} %", row.differ,
-                                  uint64_t(row.width) * row.height, 100 * kTraceShare);
+        row.failure =
+            fmt::format("{} of {} pixels disagree, more than {:g} %", row.differ, uint64_t(row.width) * row.height, 100 * kTraceShare);
 }
 
 RenderRequest requestOf(const Scene& scene, const TraceBenchOptions& options) {
@@ -130,8 +128,7 @@ void countWork(TraceRow& row, ResidentTrace& ours) {
 }
 
 void drawOrThrow(ResidentTrace& ours) {
-    if (!ours.draw())
-        throw renderError("the device's buffers do not hold the picture in one band; take a smaller --size");
+    if (!ours.draw()) throw renderError("the device's buffers do not hold the picture in one band; take a smaller --size");
 }
 
 TraceRow benchSpheres(Device& device, uint32_t count, const TraceBenchOptions& options) {
@@ -146,14 +143,12 @@ TraceRow benchSpheres(Device& device, uint32_t count, const TraceBenchOptions& o
     ResidentTrace ours(device, scene, request);
     std::vector<uint32_t> theirs(size_t(options.width) * options.height);
     measurePairs(
-        row, options, [&] { drawOrThrow(ours); },
-        [&] { peers::traceNative(push, traced, options.height, theirs, threads); });
+        row, options, [&] { drawOrThrow(ours); }, [&] { peers::traceNative(push, traced, options.height, theirs, threads); });
     for (uint32_t y = 0; y < options.height; ++y)
         for (uint32_t x = 0; x < options.width; ++x) {
             const uint32_t a = ours.colours()[size_t(y) * ours.pitch() + x], b = theirs[size_t(y) * options.width + x];
             bool far = false;
-            for (int shift = 0; shift < 32; shift += 8)
-                far |= std::abs(int(a >> shift & 255) - int(b >> shift & 255)) > 4;
+            for (int shift = 0; shift < 32; shift += 8) far |= std::abs(int(a >> shift & 255) - int(b >> shift & 255)) > 4;
             row.differ += far;
         }
     judge(row);
@@ -182,18 +177,15 @@ std::vector<TraceRow> benchMesh(Device& device, const std::string& name, const T
     const Frame seen = renderGpu(device, scene, ids).frame;
     std::vector<TraceRow> rows;
     for (const bool robust : {false, true}) {
-        TraceRow row =
-            rowOf(name + (robust ? " embree-robust" : " embree"),
-                  fmt::format("Embree rtcIntersect1{}, {} threads", robust ? ", ROBUST" : "", threads), options);
+        TraceRow row = rowOf(name + (robust ? " embree-robust" : " embree"),
+                             fmt::format("Embree rtcIntersect1{}, {} threads", robust ? ", ROBUST" : "", threads), options);
         row.objects = traced.triangles.size() / 2;
         const peers::EmbreeScene embree(traced, robust);
         std::vector<uint32_t> theirs(size_t(options.width) * options.height);
         measurePairs(
-            row, options, [&] { drawOrThrow(ours); },
-            [&] { embree.primaryRays(push, options.height, theirs, threads); });
+            row, options, [&] { drawOrThrow(ours); }, [&] { embree.primaryRays(push, options.height, theirs, threads); });
         // The mesh has a face a triangle, so their numbers are faces.
-        for (size_t i = 0; i < theirs.size(); ++i)
-            row.differ += (theirs[i] == gpu::kNoObject ? kNone : theirs[i]) != seen.primitive[i];
+        for (size_t i = 0; i < theirs.size(); ++i) row.differ += (theirs[i] == gpu::kNoObject ? kNone : theirs[i]) != seen.primitive[i];
         judge(row);
         countWork(row, ours);
         rows.push_back(row);
@@ -210,8 +202,7 @@ std::vector<TraceRow> benchTrace(Device& device, const std::string& name, const 
     if (name == "spheres4") return {benchSpheres(device, 4, options)};
     if (name == "spheres20") return {benchSpheres(device, 20, options)};
     if (name == "mesh1e5" || name == "mesh1e6") return benchMesh(device, name, options, absent);
-    throw usageError(
-        fmt::format("bench trace: '{}' is no row; accepted: {}", name, fmt::join(traceBenchNames(), ", ")));
+    throw usageError(fmt::format("bench trace: '{}' is no row; accepted: {}", name, fmt::join(traceBenchNames(), ", ")));
 }
 
 }  // namespace plumb

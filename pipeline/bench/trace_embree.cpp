@@ -37,12 +37,10 @@ struct Embree {
     decltype(&rtcNewScene) newScene = find<decltype(&rtcNewScene)>("rtcNewScene");
     decltype(&rtcReleaseScene) releaseScene = find<decltype(&rtcReleaseScene)>("rtcReleaseScene");
     decltype(&rtcSetSceneFlags) setSceneFlags = find<decltype(&rtcSetSceneFlags)>("rtcSetSceneFlags");
-    decltype(&rtcSetSceneBuildQuality) setSceneBuildQuality =
-        find<decltype(&rtcSetSceneBuildQuality)>("rtcSetSceneBuildQuality");
+    decltype(&rtcSetSceneBuildQuality) setSceneBuildQuality = find<decltype(&rtcSetSceneBuildQuality)>("rtcSetSceneBuildQuality");
     decltype(&rtcCommitScene) commitScene = find<decltype(&rtcCommitScene)>("rtcCommitScene");
     decltype(&rtcNewGeometry) newGeometry = find<decltype(&rtcNewGeometry)>("rtcNewGeometry");
-    decltype(&rtcSetNewGeometryBuffer) setNewGeometryBuffer =
-        find<decltype(&rtcSetNewGeometryBuffer)>("rtcSetNewGeometryBuffer");
+    decltype(&rtcSetNewGeometryBuffer) setNewGeometryBuffer = find<decltype(&rtcSetNewGeometryBuffer)>("rtcSetNewGeometryBuffer");
     decltype(&rtcCommitGeometry) commitGeometry = find<decltype(&rtcCommitGeometry)>("rtcCommitGeometry");
     decltype(&rtcAttachGeometry) attachGeometry = find<decltype(&rtcAttachGeometry)>("rtcAttachGeometry");
     decltype(&rtcReleaseGeometry) releaseGeometry = find<decltype(&rtcReleaseGeometry)>("rtcReleaseGeometry");
@@ -71,10 +69,10 @@ EmbreeScene::EmbreeScene(const TraceScene& from, bool robust) : impl_(std::make_
     rtc().setSceneFlags(impl_->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
     rtc().setSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
     RTCGeometry mesh = rtc().newGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* corners = static_cast<float*>(
-        rtc().setNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, from.corners.size() / 2));
-    auto* triangles = static_cast<uint32_t*>(
-        rtc().setNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, from.triangles.size() / 2));
+    auto* corners =
+        static_cast<float*>(rtc().setNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, from.corners.size() / 2));
+    auto* triangles =
+        static_cast<uint32_t*>(rtc().setNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, from.triangles.size() / 2));
     for (size_t i = 0; i < from.corners.size() / 2; ++i)
         for (int k = 0; k < 3; ++k) corners[3 * i + size_t(k)] = from.corners[2 * i][k];
     for (size_t i = 0; i < from.triangles.size() / 2; ++i)
@@ -83,21 +81,18 @@ EmbreeScene::EmbreeScene(const TraceScene& from, bool robust) : impl_(std::make_
     rtc().attachGeometry(impl_->scene, mesh);
     rtc().releaseGeometry(mesh);
     rtc().commitScene(impl_->scene);
-    if (rtc().getDeviceError(impl_->device) != RTC_ERROR_NONE)
-        throw renderError("Embree refuses the mesh of the benchmark");
+    if (rtc().getDeviceError(impl_->device) != RTC_ERROR_NONE) throw renderError("Embree refuses the mesh of the benchmark");
 }
 EmbreeScene::~EmbreeScene() = default;
 
-void EmbreeScene::primaryRays(const gpu::TracePush& push, uint32_t height, std::span<uint32_t> triangle,
-                              uint32_t threads) const {
+void EmbreeScene::primaryRays(const gpu::TracePush& push, uint32_t height, std::span<uint32_t> triangle, uint32_t threads) const {
     parallelBands(height, 8, threads, [&](uint64_t begin, uint64_t end) {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         for (uint64_t y = begin; y < end; ++y)
             for (uint64_t x = 0; x < push.width; ++x) {
-                const glm::vec3 d =
-                    gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, float(x) + 0.5f, float(y) + 0.5f);
+                const glm::vec3 d = gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, float(x) + 0.5f, float(y) + 0.5f);
                 RTCRayHit ray{};
                 ray.ray.dir_x = d.x;
                 ray.ray.dir_y = d.y;
@@ -106,8 +101,7 @@ void EmbreeScene::primaryRays(const gpu::TracePush& push, uint32_t height, std::
                 ray.ray.mask = ~0u;
                 ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
                 rtc().intersect1(impl_->scene, &context, &ray);
-                triangle[y * push.width + x] =
-                    ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? gpu::kNoObject : ray.hit.primID;
+                triangle[y * push.width + x] = ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? gpu::kNoObject : ray.hit.primID;
             }
     });
 }

@@ -10,8 +10,7 @@
 #include <span>
 
 // Compiled for the machine at hand where the compiler can.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PLUMB_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define PLUMB_CLONES
@@ -112,8 +111,8 @@ inline vec3 path(const gpu::TracePush& push, const TraceScene& s, vec3 o, vec3 d
             const float fade = light.attenuation == 0 ? 1.0f : 1.0f / std::pow(reach, light.attenuation);
             const vec3 r = 2 * cosine * n - l;
             const float highlight = std::max(0.0f, -glm::dot(r, d));
-            local += light.intensity * (m.diffuse * (cosine * fade) +
-                                        m.specular * (highlight > 0 ? std::pow(highlight, m.shininess) : 0.0f));
+            local +=
+                light.intensity * (m.diffuse * (cosine * fade) + m.specular * (highlight > 0 ? std::pow(highlight, m.shininess) : 0.0f));
         }
         colour += weight * m.local * local;
         weight *= m.reflect;
@@ -124,12 +123,10 @@ inline vec3 path(const gpu::TracePush& push, const TraceScene& s, vec3 o, vec3 d
     return colour;
 }
 
-PLUMB_CLONES void rows(const gpu::TracePush& push, const TraceScene& scene, uint32_t begin, uint32_t end,
-                       uint32_t* rgba) {
+PLUMB_CLONES void rows(const gpu::TracePush& push, const TraceScene& scene, uint32_t begin, uint32_t end, uint32_t* rgba) {
     for (uint32_t y = begin; y < end; ++y)
         for (uint32_t x = 0; x < push.width; ++x) {
-            const vec3 d =
-                glm::normalize(push.rayOrigin + push.rayX * (float(x) + 0.5f) + push.rayY * (float(y) + 0.5f));
+            const vec3 d = glm::normalize(push.rayOrigin + push.rayX * (float(x) + 0.5f) + push.rayY * (float(y) + 0.5f));
             bool any = false;
             const vec3 c = path(push, scene, vec3(0), d, any);
             uint32_t word = any ? 0xff000000u : 0;
@@ -140,11 +137,9 @@ PLUMB_CLONES void rows(const gpu::TracePush& push, const TraceScene& scene, uint
 
 }  // namespace
 
-void traceNative(const gpu::TracePush& push, const TraceScene& scene, uint32_t height, std::span<uint32_t> rgba,
-                 uint32_t threads) {
-    parallelBands(height, 8, threads, [&](uint64_t begin, uint64_t end) {
-        rows(push, scene, uint32_t(begin), uint32_t(end), rgba.data());
-    });
+void traceNative(const gpu::TracePush& push, const TraceScene& scene, uint32_t height, std::span<uint32_t> rgba, uint32_t threads) {
+    parallelBands(height, 8, threads,
+                  [&](uint64_t begin, uint64_t end) { rows(push, scene, uint32_t(begin), uint32_t(end), rgba.data()); });
 }
 
 }  // namespace plumb::peers

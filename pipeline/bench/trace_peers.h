@@ -13,8 +13,7 @@ namespace plumb::peers {
 
 // The pass as one would write it for a processor: the textbook's quadratic, powf, no counters, no list, no bounds; rows on `threads` threads.
 // Spheres, boards, reflection, feelers to opaque blockers, linear encoding; RGBA, alpha 255 where something is hit.
-void traceNative(const gpu::TracePush& push, const TraceScene& scene, uint32_t height, std::span<uint32_t> rgba,
-                 uint32_t threads);
+void traceNative(const gpu::TracePush& push, const TraceScene& scene, uint32_t height, std::span<uint32_t> rgba, uint32_t threads);
 
 // A mesh in Embree's own tree.
 class EmbreeScene {

@@ -3,9 +3,9 @@
 #include "host/error.h"
 #include "pipeline/cli/options.h"
 
-#include <cstddef>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -38,7 +38,8 @@ std::string wrapped(const std::string& text, size_t indent) {
 
 std::string signature(const Flag& flag) {
     const std::string brief = flag.shortName();
-    return fmt::format("{}{}{}{}{}", brief, brief.empty() ? "    " : ", ", flag.longName(), flag.isSwitch() || flag.optionalValue() ? "" : " ", flag.argument);
+    return fmt::format("{}{}{}{}{}", brief, brief.empty() ? "    " : ", ", flag.longName(),
+                       flag.isSwitch() || flag.optionalValue() ? "" : " ", flag.argument);
 }
 
 void add(std::string& list, const char* separator, const std::string& word) {
@@ -51,7 +52,8 @@ bool belongs(const Flag& flag, Command command) { return (flag.commands & comman
 // Accepted values add to the sentence unless they only repeat the argument's name.
 std::string explanation(const Flag& flag) {
     std::string text = flag.help;
-    if (flag.accepted[0] != '\0' && std::string(flag.accepted) != "a path" && flag.longName() != "--output") text += fmt::format("; {}", flag.accepted);
+    if (flag.accepted[0] != '\0' && std::string(flag.accepted) != "a path" && flag.longName() != "--output")
+        text += fmt::format("; {}", flag.accepted);
     if (flag.fallback[0] != '\0') text += fmt::format(" [{}]", flag.fallback);
     return text;
 }
@@ -119,7 +121,8 @@ std::string bashScript() {
         else if (flag.words.empty())
             values += fmt::format("        {}) return ;;\n", pattern);
         else
-            values += fmt::format("        {}) COMPREPLY=($(compgen -W {} -- \"$word\")); return ;;\n", pattern, quoted(joined(flag.words)));
+            values +=
+                fmt::format("        {}) COMPREPLY=($(compgen -W {} -- \"$word\")); return ;;\n", pattern, quoted(joined(flag.words)));
     }
     return fmt::format(R"(# bash completion for plumb; made by `plumb help --completion bash`
 _plumb() {{
@@ -146,8 +149,7 @@ _plumb() {{
 }}
 complete -o filenames -F _plumb plumb
 )",
-                       alternatives,
-                       values, quoted(names), cases, quoted(names));
+                       alternatives, values, quoted(names), cases, quoted(names));
 }
 
 std::string zshScript() {
@@ -165,20 +167,21 @@ std::string zshScript() {
         cases += fmt::format("        {})\n            _arguments -s", row.name);
         for (const Flag& flag : flags()) {
             if (!belongs(flag, row.bit)) continue;
-            const std::string action = flag.isSwitch()     ? ""
-                                       : isFile(flag)      ? fmt::format(":{}:_files", "file")
+            const std::string action = flag.isSwitch()      ? ""
+                                       : isFile(flag)       ? fmt::format(":{}:_files", "file")
                                        : flag.words.empty() ? fmt::format(":{}: ", "value")
-                                                           : fmt::format(":{}:({})", "value", joined(flag.words));
+                                                            : fmt::format(":{}:({})", "value", joined(flag.words));
             const std::string repeat = flag.repeatable ? "*" : "";
             for (const std::string& name : {flag.shortName(), flag.longName()}) {
                 if (name.empty()) continue;
                 const bool isLong = name.size() > 2;
                 const std::string equals = isLong ? (flag.optionalValue() ? "=-" : flag.isSwitch() ? "" : "=") : "";
                 const std::string colon = fmt::format("{}{}", flag.optionalValue() && !action.empty() ? ":" : "", action);
-                cases += fmt::format(" \\\n                {}", quoted(fmt::format("{}{}{}[{}]{}", repeat, name, equals, text(flag.help), colon)));
+                cases += fmt::format(" \\\n                {}",
+                                     quoted(fmt::format("{}{}{}[{}]{}", repeat, name, equals, text(flag.help), colon)));
             }
         }
-        cases += row.bit == kHelp ? fmt::format(" \\\n                '1:command:({})'\n            ;;\n", commandNames())
+        cases += row.bit == kHelp          ? fmt::format(" \\\n                '1:command:({})'\n            ;;\n", commandNames())
                  : row.operands[0] == '\0' ? "\n            ;;\n"
                                            : " \\\n                '*:file:_files'\n            ;;\n";
     }
@@ -216,7 +219,8 @@ std::string fishScript() {
             if (belongs(flag, row.bit)) add(of, " ", row.name);
         std::string line = fmt::format("complete -c plumb -n '__fish_seen_subcommand_from {}' -l {}", of, flag.longName().substr(2));
         if (!flag.shortName().empty()) line += fmt::format(" -s {}", flag.shortName().substr(1));
-        if (!flag.isSwitch() && !flag.optionalValue()) line += isFile(flag) ? " -r -F" : flag.words.empty() ? " -x" : fmt::format(" -x -a {}", quoted(joined(flag.words)));
+        if (!flag.isSwitch() && !flag.optionalValue())
+            line += isFile(flag) ? " -r -F" : flag.words.empty() ? " -x" : fmt::format(" -x -a {}", quoted(joined(flag.words)));
         lines += fmt::format("{} -d {}\n", line, quoted(flag.help));
     }
     lines += fmt::format("complete -c plumb -f -n '__fish_seen_subcommand_from help' -a {}\n", quoted(names));
@@ -226,14 +230,18 @@ std::string fishScript() {
 }  // namespace
 
 std::string usageText() {
-    std::string text = fmt::format("plumb {}: a Vulkan compute renderer that knows how wrong it is\n\nusage: plumb COMMAND [FLAGS] [FILES]\n\n", versionText());
+    std::string text = fmt::format(
+        "plumb {}: a Vulkan compute renderer that knows how wrong it is\n\nusage: plumb COMMAND [FLAGS] [FILES]\n\n", versionText());
     for (const CommandRow& row : commands()) text += fmt::format("  {:<8} {:<22} {}\n", row.name, row.operands, row.summary);
-    return text + "\n`plumb help COMMAND` lists its flags with examples. The order of flags never matters.\nData goes to standard output, everything else to standard error.\n";
+    return text +
+           "\n`plumb help COMMAND` lists its flags with examples. The order of flags never matters.\nData goes to standard output, "
+           "everything else to standard error.\n";
 }
 
 std::string helpText(Command command) {
     const CommandRow& row = rowOf(command);
-    std::string text = fmt::format("usage: plumb {}{}{} [FLAGS]\n\n{}\n\nflags:\n", row.name, row.operands[0] == '\0' ? "" : " ", row.operands, wrapped(row.description, 0));
+    std::string text = fmt::format("usage: plumb {}{}{} [FLAGS]\n\n{}\n\nflags:\n", row.name, row.operands[0] == '\0' ? "" : " ",
+                                   row.operands, wrapped(row.description, 0));
     constexpr size_t kIndent = 28;
     for (const Flag& flag : flags()) {
         if (!belongs(flag, command)) continue;
@@ -247,11 +255,18 @@ std::string helpText(Command command) {
 }
 
 std::string manPage() {
-    std::string text = fmt::format(".TH PLUMB 1 \"\" \"plumb {}\" \"Plumbline\"\n.SH NAME\nplumb \\- a Vulkan compute renderer that knows how wrong it is\n.SH SYNOPSIS\n", roff(versionText()));
-    for (const CommandRow& row : commands()) text += fmt::format(".B plumb {}\n{}[\\fIFLAGS\\fR]\n.br\n", row.name, row.operands[0] == '\0' ? "" : fmt::format("\\fI{}\\fR ", roff(row.operands)));
-    text += ".SH DESCRIPTION\nPlumb draws meshes and scenes by Vulkan compute shaders, on lavapipe where there is no GPU, and checks them against its CPU twin.\n"
-            "The order of flags never matters. Data goes to standard output, everything else to standard error.\n"
-            "Files are written to a temporary name in the same folder, synced, then renamed.\n.SH COMMANDS\n";
+    std::string text = fmt::format(
+        ".TH PLUMB 1 \"\" \"plumb {}\" \"Plumbline\"\n.SH NAME\nplumb \\- a Vulkan compute renderer that knows how wrong it is\n.SH "
+        "SYNOPSIS\n",
+        roff(versionText()));
+    for (const CommandRow& row : commands())
+        text += fmt::format(".B plumb {}\n{}[\\fIFLAGS\\fR]\n.br\n", row.name,
+                            row.operands[0] == '\0' ? "" : fmt::format("\\fI{}\\fR ", roff(row.operands)));
+    text +=
+        ".SH DESCRIPTION\nPlumb draws meshes and scenes by Vulkan compute shaders, on lavapipe where there is no GPU, and checks them "
+        "against its CPU twin.\n"
+        "The order of flags never matters. Data goes to standard output, everything else to standard error.\n"
+        "Files are written to a temporary name in the same folder, synced, then renamed.\n.SH COMMANDS\n";
     for (const CommandRow& row : commands()) text += fmt::format(".TP\n.B {}\n{}\n", row.name, roff(row.description));
     text += ".SH FLAGS\n";
     for (const Flag& flag : flags()) {
@@ -261,14 +276,19 @@ std::string manPage() {
             for (const CommandRow& row : commands())
                 if (belongs(flag, row.bit)) add(of, ", ", row.name);
         std::string names = fmt::format("{}{}{}", flag.shortName(), flag.shortName().empty() ? "" : ", ", flag.longName());
-        std::string argument = flag.isSwitch() ? "" : flag.optionalValue() ? roff(flag.argument) : fmt::format(" \\fI{}\\fR", roff(flag.argument));
-        text += fmt::format(".TP\n\\fB{}\\fR{}\n{}.{}\n", roff(names), argument, roff(explanation(flag)), of.empty() ? "" : fmt::format(" ({})", of));
+        std::string argument = flag.isSwitch()        ? ""
+                               : flag.optionalValue() ? roff(flag.argument)
+                                                      : fmt::format(" \\fI{}\\fR", roff(flag.argument));
+        text += fmt::format(".TP\n\\fB{}\\fR{}\n{}.{}\n", roff(names), argument, roff(explanation(flag)),
+                            of.empty() ? "" : fmt::format(" ({})", of));
     }
     text += ".SH EXIT STATUS\n";
     for (const ExitRow& row : exitCodes()) text += fmt::format(".TP\n.B {}\n{}\n", row.code, roff(row.meaning));
-    text += ".SH ENVIRONMENT\n.TP\n.B VK_ICD_FILENAMES, VK_DRIVER_FILES\nRead by the Vulkan loader: which drivers it may use.\n"
-            ".TP\n.B XDG_CACHE_HOME\nWhere the result of the start\\-up self\\-test is kept.\n"
-            ".TP\n.B PLUMB_VALIDATION\nWhen set to 1, the validation layers are switched on, and a message of theirs ends the run with exit code 5.\n.SH EXAMPLES\n";
+    text +=
+        ".SH ENVIRONMENT\n.TP\n.B VK_ICD_FILENAMES, VK_DRIVER_FILES\nRead by the Vulkan loader: which drivers it may use.\n"
+        ".TP\n.B XDG_CACHE_HOME\nWhere the result of the start\\-up self\\-test is kept.\n"
+        ".TP\n.B PLUMB_VALIDATION\nWhen set to 1, the validation layers are switched on, and a message of theirs ends the run with exit "
+        "code 5.\n.SH EXAMPLES\n";
     for (const CommandRow& row : commands())
         for (const auto& [line, what] : row.examples) text += fmt::format(".TP\n.B {}\n{}\n", roff(line), roff(what));
     return text;

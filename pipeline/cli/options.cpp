@@ -5,12 +5,12 @@
 #include "pipeline/scene/extension.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <glm/glm.hpp>
 #include <limits>
 #include <string_view>
@@ -147,7 +147,15 @@ void addTrades(Options& o, const std::string& text) {
     for (const auto part : split(text, ',')) {
         const auto words = split(part, '=');
         if (words.size() != 2) throw Refused{};
-        oneOf<int>(std::string(words[0]), {{"specular", 0}, {"light-vector", 0}, {"interpolation", 0}, {"depth", 0}, {"subpixel", 0}, {"transform", 0}, {"normals", 0}, {"rate", 0}, {"encode", 0}});
+        oneOf<int>(std::string(words[0]), {{"specular", 0},
+                                           {"light-vector", 0},
+                                           {"interpolation", 0},
+                                           {"depth", 0},
+                                           {"subpixel", 0},
+                                           {"transform", 0},
+                                           {"normals", 0},
+                                           {"rate", 0},
+                                           {"encode", 0}});
         for (const auto& [axis, choice] : o.trade)
             if (axis == words[0]) throw Refused{};
         o.trade.emplace_back(words[0], words[1]);
@@ -158,7 +166,8 @@ void addJitter(Options& o, const std::string& text) {
     for (const auto part : split(text, ',')) {
         const auto words = split(part, '=');
         if (words.size() != 2) throw Refused{};
-        std::optional<double>& amount = *oneOf<std::optional<double>*>(std::string(words[0]), {{"reflect", &o.jitterReflect}, {"refract", &o.jitterRefract}, {"shadow", &o.jitterShadow}});
+        std::optional<double>& amount = *oneOf<std::optional<double>*>(
+            std::string(words[0]), {{"reflect", &o.jitterReflect}, {"refract", &o.jitterRefract}, {"shadow", &o.jitterShadow}});
         if (amount) throw Refused{};
         amount = real(words[1], 0, 0.5);
     }
@@ -379,62 +388,108 @@ const std::vector<Flag> kFlags = {
 };
 
 const std::vector<CommandRow> kCommands = {
-    {kRender, "render", "SCENE|MESH...", "draw a scene",
-     "Draws a scene file (.toml), a glTF (.gltf, .glb) or bare meshes (.obj, .ply, .stl, .off) and writes the picture; '-' is one of these on standard input. A scene without a camera is framed, a bare mesh is lit. "
+    {kRender,
+     "render",
+     "SCENE|MESH...",
+     "draw a scene",
+     "Draws a scene file (.toml), a glTF (.gltf, .glb) or bare meshes (.obj, .ply, .stl, .off) and writes the picture; '-' is one of these "
+     "on standard input. A scene without a camera is framed, a bare mesh is lit. "
      "Without a usable Vulkan device the CPU twin draws the same bytes and says so.",
      {{{"plumb render mug.obj -o mug.png", "a framed, lit picture of 640x480 pixels"},
        {"plumb render mug.obj --view front --view iso --view 30,20 --size 320x240 -o sheet.png", "three views as one contact sheet"},
-       {"plumb render scene.toml --aov color,depth,normal,object_id -o scene.exr --json", "measurements as one EXR, the report on standard output"}}}},
-    {kVerify, "verify", "SCENE|MESH...", "compare the device with the CPU twin",
-     "Draws each scene on the device and by the CPU twin and compares them twice: each pass on the twin's input, and the whole chain on each side's own output. "
-     "Prints every plane with its SHA-256. Exit 1 names the first differing tile, pixel, both values, ULP distance, object and primitive, and with -o writes both pictures and their difference beside it.",
+       {"plumb render scene.toml --aov color,depth,normal,object_id -o scene.exr --json",
+        "measurements as one EXR, the report on standard output"}}}},
+    {kVerify,
+     "verify",
+     "SCENE|MESH...",
+     "compare the device with the CPU twin",
+     "Draws each scene on the device and by the CPU twin and compares them twice: each pass on the twin's input, and the whole chain on "
+     "each side's own output. "
+     "Prints every plane with its SHA-256. Exit 1 names the first differing tile, pixel, both values, ULP distance, object and primitive, "
+     "and with -o writes both pictures and their difference beside it.",
      {{{"plumb verify scene.toml", "all passes and planes at the scene's size"},
        {"plumb verify *.obj --size 333x211 --samples 4", "several meshes at an awkward size"},
-       {"plumb verify mug.obj --device lavapipe --json=verify.json -o verify/mug.png", "one device, a report, and pictures in case of a difference"}}}},
-    {kDiff, "diff", "A B", "compare two pictures",
-     "Compares two PNG, EXR or NPY pictures plane by plane: largest, mean and root-mean-square error, PSNR, SSIM, FLIP, CIEDE2000, ULP of float planes, pixels over 1, 2, 4 and 8 levels, the "
-     "largest connected region. Exit 0 when all gates hold, or without a gate when no pixel differs; exit 1 otherwise, with the place. A NaN is named before any norm; another size is a "
+       {"plumb verify mug.obj --device lavapipe --json=verify.json -o verify/mug.png",
+        "one device, a report, and pictures in case of a difference"}}}},
+    {kDiff,
+     "diff",
+     "A B",
+     "compare two pictures",
+     "Compares two PNG, EXR or NPY pictures plane by plane: largest, mean and root-mean-square error, PSNR, SSIM, FLIP, CIEDE2000, ULP of "
+     "float planes, pixels over 1, 2, 4 and 8 levels, the "
+     "largest connected region. Exit 0 when all gates hold, or without a gate when no pixel differs; exit 1 otherwise, with the place. A "
+     "NaN is named before any norm; another size is a "
      "difference, never resized.",
      {{{"plumb diff a.png b.png", "every measure; exit 1 when a pixel differs"},
        {"plumb diff a.png b.png --gate 'max<=2/255' --gate 'flip<=0.02' -o diff.png --heat heat.png", "two gates, and pictures of where"},
        {"plumb diff a.exr b.exr --plane depth --gate 'depth.ulp<=4' --json", "one plane of two EXRs, the report on standard output"}}}},
-    {kMeasure, "measure", "SCENE|MESH...", "measure what speed costs in accuracy",
-     "Draws the scene in every way that there is, one choice changed at a time, and prints the time of each (its ratio to the default, round by round, with an interval) and its error against a truth computed in binary64. "
-     "What the interval does not tell apart from the default is called so; rows that nothing beats are marked. An axis whose choice does not exist in this version is listed as absent.",
+    {kMeasure,
+     "measure",
+     "SCENE|MESH...",
+     "measure what speed costs in accuracy",
+     "Draws the scene in every way that there is, one choice changed at a time, and prints the time of each (its ratio to the default, "
+     "round by round, with an interval) and its error against a truth computed in binary64. "
+     "What the interval does not tell apart from the default is called so; rows that nothing beats are marked. An axis whose choice does "
+     "not exist in this version is listed as absent.",
      {{{"plumb measure scene.toml", "all axes, at most two minutes"},
        {"plumb measure mug.obj --axis shading,samples --size 320x240 --csv=mug.csv", "two axes, the rows as CSV"},
-       {"plumb measure scene.toml --limit 30s -o report.html --json=measure.json", "less time, with a report for people and one for programs"}}}},
-    {kDevices, "devices", "", "list what can draw",
+       {"plumb measure scene.toml --limit 30s -o report.html --json=measure.json",
+        "less time, with a report for people and one for programs"}}}},
+    {kDevices,
+     "devices",
+     "",
+     "list what can draw",
      "Lists what the Vulkan loader finds, what would be picked and why not the others, and what the start-up self-test says.",
      {{{"plumb devices", "a list to read"},
        {"plumb devices --json", "the same for programs"},
        {"plumb devices --require-device gpu", "exit 4 when there is no GPU"}}}},
-    {kInfo, "info", "SCENE|MESH...", "describe scenes and meshes",
+    {kInfo,
+     "info",
+     "SCENE|MESH...",
+     "describe scenes and meshes",
      "Counts, bounds, open and non-manifold edges, degenerate faces and materials of each file. Needs no device.",
      {{{"plumb info mug.obj", "what is in the file"},
        {"plumb info --json *.stl", "one JSON object a file"},
        {"plumb info --strict model.glb", "exit 3 when the file asks for what is not drawn"}}}},
-    {kMatrix, "matrix", "STEP...|SCENE", "print a chain of transforms",
-     "Prints each step of a chain of transforms, the product so far, the composite, and the same chain as a tree of products with its depth. A step is what=value with further parts after "
-     "colons: translate=X,Y,Z; scale=S or X,Y,Z; rotate_x, rotate_y, rotate_z=DEGREES, these with :about=X,Y,Z; rotate=DEGREES:axis=X,Y,Z with :through=X,Y,Z; rotate=DEGREES:from=X,Y,Z:to=X,Y,Z "
-     "about a line; matrix=16 numbers. With --dimensions 2: translate, scale, rotate, matrix=9 numbers. Or the objects of a scene. Needs no device.",
-     {{{"plumb matrix rotate=90:from=3,3,5:to=6,6.4641,7 --point 4,3,5", "the seven matrices of a rotation about a line, and where a point goes"},
+    {kMatrix,
+     "matrix",
+     "STEP...|SCENE",
+     "print a chain of transforms",
+     "Prints each step of a chain of transforms, the product so far, the composite, and the same chain as a tree of products with its "
+     "depth. A step is what=value with further parts after "
+     "colons: translate=X,Y,Z; scale=S or X,Y,Z; rotate_x, rotate_y, rotate_z=DEGREES, these with :about=X,Y,Z; rotate=DEGREES:axis=X,Y,Z "
+     "with :through=X,Y,Z; rotate=DEGREES:from=X,Y,Z:to=X,Y,Z "
+     "about a line; matrix=16 numbers. With --dimensions 2: translate, scale, rotate, matrix=9 numbers. Or the objects of a scene. Needs "
+     "no device.",
+     {{{"plumb matrix rotate=90:from=3,3,5:to=6,6.4641,7 --point 4,3,5",
+        "the seven matrices of a rotation about a line, and where a point goes"},
        {"plumb matrix --dimensions 2 rotate=90:about=3,2 --notation row", "an in-place rotation of the plane, as matrices for row vectors"},
        {"plumb matrix scene.toml --object mug --json", "the chain of one object for programs"}}}},
-    {kBench, "bench", "raster|passes|matrix|claims|trace [ROW...]", "measure speed against other ways to the same result",
-     "raster: the passes against the device's own graphics pipeline, per-pixel Phong of the same scene, interleaved, warm, both with the picture in memory of the host. "
-     "ROW is sphereN, knotN, displacedN (N triangles, e.g. sphere1e5), full-screen, layers-b2f, layers-f2b, a scene or a mesh; all generated ones without a ROW. "
+    {kBench,
+     "bench",
+     "raster|passes|matrix|claims|trace [ROW...]",
+     "measure speed against other ways to the same result",
+     "raster: the passes against the device's own graphics pipeline, per-pixel Phong of the same scene, interleaved, warm, both with the "
+     "picture in memory of the host. "
+     "ROW is sphereN, knotN, displacedN (N triangles, e.g. sphere1e5), full-screen, layers-b2f, layers-f2b, a scene or a mesh; all "
+     "generated ones without a ROW. "
      "Coverage of the two pictures is compared: exit 1 when a pixel differs further than 1/256 pixel from an edge. "
      "passes: the passes alone, also with lightsN (1 to 64 lights), for how their cost grows. "
-     "matrix: vertices by one matrix and by seven, and products of chains, on the device, by the twin and by the libraries that were found, beside the bandwidth of the memory. "
+     "matrix: vertices by one matrix and by seven, and products of chains, on the device, by the twin and by the libraries that were "
+     "found, beside the bandwidth of the memory. "
      "ROW is a count, e.g. 1e6; 1e3 to 1e7 without a ROW. "
-     "claims: P1 to P4 and P6 to P9 of the lecture notes (what transforming, filling, projecting, culling and shading cost), counted and timed; ROW is sphereN, sphere1e4 without; exit 1 when a count disagrees. "
-     "trace: rays on the device against the same algorithm in plain C++ (spheres4, spheres20: mirrors over a board, depth 5) and primary rays against Embree where the build found it "
+     "claims: P1 to P4 and P6 to P9 of the lecture notes (what transforming, filling, projecting, culling and shading cost), counted and "
+     "timed; ROW is sphereN, sphere1e4 without; exit 1 when a count disagrees. "
+     "trace: rays on the device against the same algorithm in plain C++ (spheres4, spheres20: mirrors over a board, depth 5) and primary "
+     "rays against Embree where the build found it "
      "(mesh1e5, mesh1e6). Medians with the 10th and 90th percentile; times are never judged.",
      {{{"plumb bench raster", "the generated meshes at 1920x1080"},
        {"plumb bench raster sphere1e5 mug.obj --repeat 20 --json", "one generated and one named mesh, for programs"},
        {"plumb bench matrix 1e6", "a million vertices, and a chain of a million matrices"}}}},
-    {kHelp, "help", "[COMMAND]", "explain a command",
+    {kHelp,
+     "help",
+     "[COMMAND]",
+     "explain a command",
      "Prints the flags of a command with examples, the man page, or the completions of a shell.",
      {{{"plumb help render", "flags and examples of one command"},
        {"plumb help --man | man -l -", "the manual"},
@@ -473,7 +528,8 @@ Command commandOf(const std::string& word) {
     if (std::find(kLater.begin(), kLater.end(), word) != kLater.end()) throw usageError(fmt::format("'{}' is not in this version", word));
     std::vector<std::string> words;
     for (const CommandRow& row : kCommands) words.emplace_back(row.name);
-    throw usageError(fmt::format("'{}' is not a command{}; commands: {}", printable(word), suggestion(word, words), fmt::join(words, ", ")));
+    throw usageError(
+        fmt::format("'{}' is not a command{}; commands: {}", printable(word), suggestion(word, words), fmt::join(words, ", ")));
 }
 
 Error unknownFlag(const std::string& token) {
@@ -491,12 +547,16 @@ void checkTogether(const Options& o) {
     if (o.fill && o.shading == Shading::wire) throw usageError("--fill and --shading wire exclude each other: a wire frame fills nothing");
     if (o.dimensions == 2 && o.spacePoints) throw usageError("--point: with --dimensions 2 a point has two numbers");
     if (o.dimensions == 3 && o.planePoints) throw usageError("--point: a point has three numbers, unless with --dimensions 2");
-    if (o.command == kDiff && !o.output.empty() && o.output != "-" && lowerExtension(o.output) != ".png") throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, or -", printable(o.output)));
+    if (o.command == kDiff && !o.output.empty() && o.output != "-" && lowerExtension(o.output) != ".png")
+        throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, or -", printable(o.output)));
     // Before a mesh is read for it; a placeholder in the extension is filled in later.
-    if (const std::string extension = lowerExtension(o.output); o.command == kRender && !o.output.empty() && o.output != "-" && extension != ".png" && extension != ".exr" &&
-                                                               extension != ".npy" && extension.find('{') == std::string::npos)
-        throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, .exr or .npy, or -", printable(o.output)));
-    if (o.command == kMeasure && !o.output.empty() && lowerExtension(o.output) != ".html") throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output)));
+    if (const std::string extension = lowerExtension(o.output); o.command == kRender && !o.output.empty() && o.output != "-" &&
+                                                                extension != ".png" && extension != ".exr" && extension != ".npy" &&
+                                                                extension.find('{') == std::string::npos)
+        throw usageError(
+            fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, .exr or .npy, or -", printable(o.output)));
+    if (o.command == kMeasure && !o.output.empty() && lowerExtension(o.output) != ".html")
+        throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output)));
     if ((o.command & (kRender | kDiff)) != 0 && o.json && o.jsonFile.empty() && o.output == "-")
         throw usageError("--json and -o - both want standard output: use --json=FILE or -o FILE");
 }
@@ -582,7 +642,8 @@ Options parseOptions(const std::vector<std::string>& arguments) {
                 values[i].push_back(bare ? "" : result);
             }
         }
-        if (values[i].size() > 1 && !kFlags[i].repeatable) throw usageError(fmt::format("{} is given {} times; once is enough", name, values[i].size()));
+        if (values[i].size() > 1 && !kFlags[i].repeatable)
+            throw usageError(fmt::format("{} is given {} times; once is enough", name, values[i].size()));
         for (const std::string& value : values[i]) {
             try {
                 kFlags[i].set(options, value);
@@ -599,18 +660,21 @@ Options parseOptions(const std::vector<std::string>& arguments) {
     options.inputs.assign(words.begin() + 1, words.end());
     for (size_t i = 0; i < kFlags.size(); ++i)
         if (!values[i].empty() && (kFlags[i].commands & options.command) == 0)
-            throw usageError(fmt::format("{} is not a flag of `plumb {}`; `plumb help {}` lists them", kFlags[i].longName(), words[0], words[0]));
+            throw usageError(
+                fmt::format("{} is not a flag of `plumb {}`; `plumb help {}` lists them", kFlags[i].longName(), words[0], words[0]));
     if (options.help || options.version) return options;
     const CommandRow& row = rowOf(options.command);
     if (options.command == kHelp) {
         if (options.inputs.size() > 1) throw usageError("help takes one command");
         if (!options.inputs.empty()) commandOf(options.inputs[0]);
     } else if (row.operands[0] == '\0') {
-        if (!options.inputs.empty()) throw usageError(fmt::format("`plumb {}` takes no operand, and '{}' is one", row.name, printable(options.inputs[0])));
+        if (!options.inputs.empty())
+            throw usageError(fmt::format("`plumb {}` takes no operand, and '{}' is one", row.name, printable(options.inputs[0])));
     } else if (options.inputs.empty()) {
         throw usageError(fmt::format("`plumb {}` needs {}", row.name, row.operands));
     }
-    if (options.command == kDiff && options.inputs.size() != 2) throw usageError(fmt::format("`plumb diff` needs two pictures, and {} are given", options.inputs.size()));
+    if (options.command == kDiff && options.inputs.size() != 2)
+        throw usageError(fmt::format("`plumb diff` needs two pictures, and {} are given", options.inputs.size()));
     checkTogether(options);
     return options;
 }

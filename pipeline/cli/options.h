@@ -17,7 +17,18 @@
 
 namespace plumb {
 
-enum Command : uint32_t { kRender = 1, kVerify = 2, kDevices = 4, kInfo = 8, kHelp = 16, kDiff = 32, kMeasure = 64, kMatrix = 128, kBench = 256, kEveryCommand = 127 | kMatrix | kBench };
+enum Command : uint32_t {
+    kRender = 1,
+    kVerify = 2,
+    kDevices = 4,
+    kInfo = 8,
+    kHelp = 16,
+    kDiff = 32,
+    kMeasure = 64,
+    kMatrix = 128,
+    kBench = 256,
+    kEveryCommand = 127 | kMatrix | kBench
+};
 
 enum class ProgressMode { automatic, bar, plain, json, none };
 enum class StereoForm { none, pair, sideBySide, anaglyph };
@@ -33,16 +44,16 @@ struct BackgroundFlag {
 
 struct Options {
     Command command = kHelp;
-    std::vector<std::string> inputs;        // what stands after the command
+    std::vector<std::string> inputs;  // what stands after the command
     bool help = false, version = false;
 
-    std::vector<std::string> gates;         // of diff, as written; pipeline/compare/gate.h parses them
+    std::vector<std::string> gates;  // of diff, as written; pipeline/compare/gate.h parses them
     uint32_t radius = 0;
-    double pixelsPerDegree = 0;             // 0: the default of pipeline/compare
-    std::vector<std::string> planes;        // empty: all
-    std::string heat;                       // heat map; empty: not given
+    double pixelsPerDegree = 0;       // 0: the default of pipeline/compare
+    std::vector<std::string> planes;  // empty: all
+    std::string heat;                 // heat map; empty: not given
 
-    std::string output;                     // empty: not given; "-": stdout
+    std::string output;  // empty: not given; "-": stdout
     bool noClobber = false;
     std::optional<glm::uvec2> size;
     std::optional<Shading> shading;
@@ -51,24 +62,24 @@ struct Options {
     std::optional<WireView> wire;
     std::optional<Encoding> encoding;
     uint32_t samples = 1;
-    std::optional<uint32_t> maxDepth;       // of rays
+    std::optional<uint32_t> maxDepth;  // of rays
     std::optional<double> minWeight;
-    std::optional<Sampling> sampling;       // the following five go with rays alone
+    std::optional<Sampling> sampling;  // the following five go with rays alone
     std::optional<double> jitterReflect, jitterRefract, jitterShadow;
     std::optional<uint32_t> seed;
     std::optional<bool> cutLevels;
     std::optional<BackgroundFlag> background;
-    std::vector<Aov> aovs;                  // empty: colour
+    std::vector<Aov> aovs;  // empty: colour
     int bits = 8;
 
     std::optional<glm::dvec3> eye, at, up;
     std::optional<double> fovDegrees, near;
-    std::vector<std::string> views;         // words of frameCamera()
-    uint32_t turntable = 0;                 // pictures of one turn; 0: none
+    std::vector<std::string> views;  // words of frameCamera()
+    uint32_t turntable = 0;          // pictures of one turn; 0: none
     StereoForm stereo = StereoForm::none;
-    std::optional<double> eyeSeparation;    // scene units
+    std::optional<double> eyeSeparation;  // scene units
     bool interlace = false;
-    std::string separations;                // cmy, cmyk; empty: none
+    std::string separations;  // cmy, cmyk; empty: none
 
     std::string device = "auto", requireDevice;
     uint32_t threads = 0;
@@ -77,44 +88,44 @@ struct Options {
     uint64_t limitChunk = 0;
     uint32_t limitBand = 0;
 
-    std::string format;                     // of the inputs; empty: by name, else by content
+    std::string format;  // of the inputs; empty: by name, else by content
     bool strict = false, allowOutside = false;
     double creaseDegrees = 60;
-    std::optional<double> failBlank;        // smallest covered fraction that is not blank
+    std::optional<double> failBlank;  // smallest covered fraction that is not blank
     bool json = false;
-    std::string jsonFile;                   // empty: stdout
+    std::string jsonFile;  // empty: stdout
     ProgressMode progress = ProgressMode::automatic;
-    std::vector<std::string> axes;          // of measure; empty: all
-    double limitMs = 120000;                // of a measurement
+    std::vector<std::string> axes;  // of measure; empty: all
+    double limitMs = 120000;        // of a measurement
     uint32_t repetitions = 31;
     bool csv = false;
-    std::string csvFile;                    // empty: stdout
+    std::string csvFile;  // empty: stdout
 
-    std::vector<std::pair<std::string, std::string>> trade;   // axis, choice
+    std::vector<std::pair<std::string, std::string>> trade;  // axis, choice
     bool withError = false;
     bool explain = false, quiet = false;
     uint32_t verbose = 0;
 
-    std::string object;                     // matrix: name or number; empty: all
-    std::vector<glm::dvec3> points;         // matrix: carried through the chain; in the plane z is 0
+    std::string object;                             // matrix: name or number; empty: all
+    std::vector<glm::dvec3> points;                 // matrix: carried through the chain; in the plane z is 0
     bool planePoints = false, spacePoints = false;  // with two and with three numbers
-    int dimensions = 3;                     // matrix: 2 or 3
+    int dimensions = 3;                             // matrix: 2 or 3
     bool rowNotation = false, zReversed = false, inverse = false;
-    uint64_t vertices = 0;                  // matrix: to be transformed, counted and timed
-    uint32_t pairs = 50;                    // of a row of a benchmark
+    uint64_t vertices = 0;  // matrix: to be transformed, counted and timed
+    uint32_t pairs = 50;    // of a row of a benchmark
 
     bool man = false;
-    std::string completion;                 // bash, zsh, fish
+    std::string completion;  // bash, zsh, fish
 };
 
 // One row a flag. `argument` is "" for a switch, "[=X]" when the value may be left out.
 struct Flag {
-    const char* names;                      // "-o,--output"
+    const char* names;  // "-o,--output"
     const char* argument;
-    const char* help;                       // one sentence without a full stop
-    const char* fallback;                   // default as shown; "" when there is none
-    const char* accepted;                   // what a refused value is told
-    std::vector<const char*> words;         // values to complete; "FILE" completes file names
+    const char* help;                // one sentence without a full stop
+    const char* fallback;            // default as shown; "" when there is none
+    const char* accepted;            // what a refused value is told
+    std::vector<const char*> words;  // values to complete; "FILE" completes file names
     uint32_t commands;
     void (*set)(Options&, const std::string&);  // throws Refused (options.cpp) on a value that is not accepted
     bool repeatable = false;
@@ -122,14 +133,14 @@ struct Flag {
 
     bool isSwitch() const { return argument[0] == '\0'; }
     bool optionalValue() const { return argument[0] == '['; }
-    std::string longName() const;           // "--output"
-    std::string shortName() const;          // "-o", or ""
+    std::string longName() const;   // "--output"
+    std::string shortName() const;  // "-o", or ""
 };
 
 struct CommandRow {
     Command bit;
     const char* name;
-    const char* operands;                   // "SCENE|MESH..."
+    const char* operands;  // "SCENE|MESH..."
     const char* summary;
     const char* description;
     std::array<std::array<const char*, 2>, 3> examples;  // command line, what it does
@@ -148,9 +159,9 @@ const CommandRow& rowOf(Command);
 // Arguments without the program's name. Throws Error(usage): one line naming the flag and the accepted values.
 Options parseOptions(const std::vector<std::string>& arguments);
 
-std::string usageText();                    // `plumb help`
-std::string helpText(Command);              // `plumb help CMD`: flags, three examples, exit codes
-std::string manPage();                      // roff for man(1)
+std::string usageText();                                 // `plumb help`
+std::string helpText(Command);                           // `plumb help CMD`: flags, three examples, exit codes
+std::string manPage();                                   // roff for man(1)
 std::string completionScript(const std::string& shell);  // bash, zsh, fish
 
 // "640x480" etc. as printed in messages and JSON.
@@ -158,6 +169,6 @@ const char* nameOf(Shading);
 const char* nameOf(Fill);
 const char* nameOf(StereoForm);
 const char* nameOf(Encoding);
-std::string versionText();                  // "0.1.0"
+std::string versionText();  // "0.1.0"
 
 }  // namespace plumb

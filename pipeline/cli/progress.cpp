@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/cli/progress.h"
 
+#include <fmt/core.h>
+#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <fmt/core.h>
 #include <optional>
 #include <string>
-#include <unistd.h>
 
 namespace plumb {
 
@@ -27,7 +27,8 @@ std::optional<double> Progress::secondsLeft(double fraction, double elapsedSecon
 
 std::string Progress::clock(double exactSeconds) {
     const auto seconds = int64_t(std::lround(exactSeconds));
-    return seconds < 3600 ? fmt::format("{}:{:02}", seconds / 60, seconds % 60) : fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
+    return seconds < 3600 ? fmt::format("{}:{:02}", seconds / 60, seconds % 60)
+                          : fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
 }
 
 void Progress::begin(const std::string& task, double from, double to, std::chrono::milliseconds after) {
@@ -72,13 +73,15 @@ void Progress::update(double fraction) {
     told_ = whole == 1;
     if (mode_ == ProgressMode::json) {
         // The task is one of our own phrases: letters, digits, blanks and slashes, so it needs no escapes.
-        put(stream_, fmt::format("{{\"progress\":{:.4f},\"task\":\"{}\",\"elapsed_s\":{:.3f},\"left_s\":{}}}\n", whole, task_, elapsed, left ? fmt::format("{:.3f}", *left) : "null"));
+        put(stream_, fmt::format("{{\"progress\":{:.4f},\"task\":\"{}\",\"elapsed_s\":{:.3f},\"left_s\":{}}}\n", whole, task_, elapsed,
+                                 left ? fmt::format("{:.3f}", *left) : "null"));
         return;
     }
     constexpr int kWidth = 30;
     const int filled = int(whole * kWidth);
-    put(stream_, fmt::format("\r\x1b[K{} [{}{}] {:3.0f} %  {}", task_, std::string(size_t(filled), '#'), std::string(size_t(kWidth - filled), '.'), whole * 100,
-                             left ? fmt::format("{} elapsed, {} left", clock(elapsed), clock(*left)) : ""));
+    put(stream_,
+        fmt::format("\r\x1b[K{} [{}{}] {:3.0f} %  {}", task_, std::string(size_t(filled), '#'), std::string(size_t(kWidth - filled), '.'),
+                    whole * 100, left ? fmt::format("{} elapsed, {} left", clock(elapsed), clock(*left)) : ""));
     shown_ = true;
 }
 

@@ -18,19 +18,20 @@ public:
     Progress(ProgressMode, bool quiet, std::FILE* stream = stderr);
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
-    ~Progress();                       // clears the bar
+    ~Progress();  // clears the bar
 
     // A task and its part of the whole, e.g. "render 3/24" from 2/24 to 3/24. What is shown is the share of the whole; its
     // clock starts with the task that begins at 0. It never falls: work that is done again (a device opened afresh) shows where it was.
-    void begin(const std::string& task, double from = 0, double to = 1, std::chrono::milliseconds after = {});  // nothing is shown before `after`
+    void begin(const std::string& task, double from = 0, double to = 1,
+               std::chrono::milliseconds after = {});  // nothing is shown before `after`
     void rename(const std::string& task) { task_ = task; }
     static constexpr std::chrono::milliseconds kMoment{300};
-    void update(double fraction);                    // 0..1 of the task
-    void clear();                                    // before anything else is printed
+    void update(double fraction);  // 0..1 of the task
+    void clear();                  // before anything else is printed
 
     // Seconds that are left, from the time that `fraction` took; none while it is too early to say.
     static std::optional<double> secondsLeft(double fraction, double elapsedSeconds);
-    static std::string clock(double seconds);        // "1:02", "2:30:00"
+    static std::string clock(double seconds);  // "1:02", "2:30:00"
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -38,10 +39,10 @@ private:
     std::FILE* stream_;
     std::string task_;
     Clock::time_point start_, last_, show_;
-    double from_ = 0, to_ = 1;         // of the task, in the whole
+    double from_ = 0, to_ = 1;  // of the task, in the whole
     double shownShare_ = 0;
     int lastTenth_ = -1;
-    bool told_ = false;                // the end of the whole
+    bool told_ = false;  // the end of the whole
     bool shown_ = false;
 };
 

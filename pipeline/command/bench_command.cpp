@@ -14,11 +14,11 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -51,26 +51,36 @@ Json jsonOf(const RasterRow& row) {
     json["dispatches"] = dispatches;
     json["counters"] = countersJson(row.counters);
     const Agreement& a = row.agreement;
-    json["agreement"] = {{"covered", a.covered},         {"coverage_differs", a.coverageDiffers}, {"unexplained", a.unexplained}, {"furthest_pixels", a.furthestPixels},
-                         {"allowed_pixels", kSnapPixels}, {"colour_most", a.colourMost},          {"colour_over_4", a.colourOver4}, {"failure", a.failure}};
+    json["agreement"] = {{"covered", a.covered},           {"coverage_differs", a.coverageDiffers},
+                         {"unexplained", a.unexplained},   {"furthest_pixels", a.furthestPixels},
+                         {"allowed_pixels", kSnapPixels},  {"colour_most", a.colourMost},
+                         {"colour_over_4", a.colourOver4}, {"failure", a.failure}};
     return json;
 }
 
 Json jsonOf(const PassesRow& row) {
-    return {{"name", row.name},         {"triangles", row.triangles}, {"lights", row.lights},
-            {"size", {row.width, row.height}}, {"pictures", row.ms.count},   {"resident", row.resident},
-            {"ms", spreadJson(row.ms)},  {"passes_ms", passesJson(row.passes)}, {"counters", countersJson(row.counters)}};
+    return {{"name", row.name},
+            {"triangles", row.triangles},
+            {"lights", row.lights},
+            {"size", {row.width, row.height}},
+            {"pictures", row.ms.count},
+            {"resident", row.resident},
+            {"ms", spreadJson(row.ms)},
+            {"passes_ms", passesJson(row.passes)},
+            {"counters", countersJson(row.counters)}};
 }
 
 std::string textOf(const PassesRow& row) {
-    return fmt::format("{:<14} {:>9} {:>6} {:>9.2f} [{:.2f}..{:.2f}]{}\n", printable(row.name), row.triangles, row.lights, row.ms.median, row.ms.p10, row.ms.p90,
-                       row.resident ? "" : "   in several bands or chunks: it uploads within its time");
+    return fmt::format("{:<14} {:>9} {:>6} {:>9.2f} [{:.2f}..{:.2f}]{}\n", printable(row.name), row.triangles, row.lights, row.ms.median,
+                       row.ms.p10, row.ms.p90, row.resident ? "" : "   in several bands or chunks: it uploads within its time");
 }
 
 std::string textOf(const RasterRow& row) {
     const Agreement& a = row.agreement;
-    std::string text = fmt::format("{:<14} {:>9} {:>9.2f} {:>9.2f}   {:>5.2f} [{:.2f}..{:.2f}]   {:>5.2f}   {}/{} {}/{}\n", printable(row.name), row.triangles, row.graphicsMs.median,
-                                   row.computeMs.median, row.ratio.median, row.ratio.p10, row.ratio.p90, row.ratioOfLeast, a.coverageDiffers, a.unexplained, a.colourOver4, a.colourMost);
+    std::string text =
+        fmt::format("{:<14} {:>9} {:>9.2f} {:>9.2f}   {:>5.2f} [{:.2f}..{:.2f}]   {:>5.2f}   {}/{} {}/{}\n", printable(row.name),
+                    row.triangles, row.graphicsMs.median, row.computeMs.median, row.ratio.median, row.ratio.p10, row.ratio.p90,
+                    row.ratioOfLeast, a.coverageDiffers, a.unexplained, a.colourOver4, a.colourMost);
     if (!row.resident) text += "    ours drew in several bands or chunks: it uploads within its time\n";
     if (!a.failure.empty()) text += fmt::format("    PICTURES DISAGREE: {}\n", a.failure);
     return text;
@@ -101,14 +111,17 @@ Json jsonOf(const MatrixTable& table) {
 }
 
 std::string textOf(const MatrixTable& table) {
-    std::string text = fmt::format("{} of {}; memory {:.1f} GB/s at this size, {:.0f} bytes each\n", table.work, table.count, table.bandwidthGBs, table.bytesEach);
+    std::string text = fmt::format("{} of {}; memory {:.1f} GB/s at this size, {:.0f} bytes each\n", table.work, table.count,
+                                   table.bandwidthGBs, table.bytesEach);
     for (const MatrixWay& way : table.ways) {
-        text += fmt::format("  {:<54} {:>10.4f} ms [{:.4f}..{:.4f}]  {:>8.4f} G/s  {:>5.1f} % of the bound", way.name, way.ms.median, way.ms.p10, way.ms.p90, way.perSecond * 1e-9,
-                            way.shareOfBound * 100);
-        if (way.ofDevice.count != 0) text += fmt::format("  {:>5.1f} % of the device's ceiling [{:.1f}..{:.1f}]", way.ofDevice.median * 100, way.ofDevice.p10 * 100, way.ofDevice.p90 * 100);
+        text += fmt::format("  {:<54} {:>10.4f} ms [{:.4f}..{:.4f}]  {:>8.4f} G/s  {:>5.1f} % of the bound", way.name, way.ms.median,
+                            way.ms.p10, way.ms.p90, way.perSecond * 1e-9, way.shareOfBound * 100);
+        if (way.ofDevice.count != 0)
+            text += fmt::format("  {:>5.1f} % of the device's ceiling [{:.1f}..{:.1f}]", way.ofDevice.median * 100, way.ofDevice.p10 * 100,
+                                way.ofDevice.p90 * 100);
         if (!way.partial)
-            text += fmt::format("  {:>6.2f} of GLM [{:.2f}..{:.2f}]  {} products, {} in a row  error {:.2f} u", way.againstGlm.median, way.againstGlm.p10, way.againstGlm.p90, way.products, way.steps,
-                                way.errorU);
+            text += fmt::format("  {:>6.2f} of GLM [{:.2f}..{:.2f}]  {} products, {} in a row  error {:.2f} u", way.againstGlm.median,
+                                way.againstGlm.p10, way.againstGlm.p90, way.products, way.steps, way.errorU);
         text += '\n';
     }
     for (const std::string& line : table.absent) text += fmt::format("  absent: {}\n", line);
@@ -119,8 +132,10 @@ std::string textOf(const MatrixTable& table) {
 Scene sceneOf(const std::string& row, glm::uvec2 size, const Options& options) {
     if (std::optional<Scene> made = benchScene(row, double(size.x) / size.y)) return std::move(*made);
     if (row.find('.') == row.npos)
-        throw usageError(fmt::format("bench: '{}' is no row; accepted: sphereN, knotN, displacedN (N from 1e3 to 1e7), lightsN (N from 1 to 64), full-screen, layers-b2f, layers-f2b, a scene or a mesh",
-                                     printable(row)));
+        throw usageError(
+            fmt::format("bench: '{}' is no row; accepted: sphereN, knotN, displacedN (N from 1e3 to 1e7), lightsN (N from 1 to 64), "
+                        "full-screen, layers-b2f, layers-f2b, a scene or a mesh",
+                        printable(row)));
     Options one = options;
     one.inputs = {row};
     const LoadOptions load = loadOptionsOf(options);
@@ -148,9 +163,12 @@ Exit benchPassesCommand(const Options& options, Renderer& renderer, std::vector<
     Json json = benchContextJson(renderer);
     json["bench"] = "passes";
     json["rows"] = Json::array();
-    if (text) printData(fmt::format("{}\n{}x{}; {} pictures, median [10 %..90 %]\n{:<14} {:>9} {:>6} {:>9}\n", printable(renderer.name()), raster.width, raster.height, raster.pairs, "row", "triangles", "lights", "ms"));
+    if (text)
+        printData(fmt::format("{}\n{}x{}; {} pictures, median [10 %..90 %]\n{:<14} {:>9} {:>6} {:>9}\n", printable(renderer.name()),
+                              raster.width, raster.height, raster.pairs, "row", "triangles", "lights", "ms"));
     for (size_t i = 0; i < rows.size(); ++i) {
-        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()), double(i) / double(rows.size()), double(i + 1) / double(rows.size()));
+        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()), double(i) / double(rows.size()),
+                       double(i + 1) / double(rows.size()));
         const PassesRow row = benchPasses(*renderer.device(), sceneOf(rows[i], {raster.width, raster.height}, options), rows[i], raster);
         progress.update(1);
         progress.clear();
@@ -173,12 +191,16 @@ Exit benchRasterCommand(const Options& options, Renderer& renderer, std::vector<
     json["bench"] = "raster";
     json["rows"] = Json::array();
     if (text)
-        printData(fmt::format("{}\n{}x{}, {} pairs; ratio = graphics pipeline / passes, median [10 %..90 %]; coverage: pixels drawn by one side only/further than 1/256 px from an edge; "
-                              "colour: pixels more than 4 levels apart/most levels\n{:<14} {:>9} {:>9} {:>9}   {:<18}  {:>5}   {}\n",
-                              printable(renderer.name()), raster.width, raster.height, raster.pairs, "row", "triangles", "theirs ms", "ours ms", "ratio", "least", "coverage colour"));
+        printData(
+            fmt::format("{}\n{}x{}, {} pairs; ratio = graphics pipeline / passes, median [10 %..90 %]; coverage: pixels drawn by one side "
+                        "only/further than 1/256 px from an edge; "
+                        "colour: pixels more than 4 levels apart/most levels\n{:<14} {:>9} {:>9} {:>9}   {:<18}  {:>5}   {}\n",
+                        printable(renderer.name()), raster.width, raster.height, raster.pairs, "row", "triangles", "theirs ms", "ours ms",
+                        "ratio", "least", "coverage colour"));
     Exit verdict = Exit::done;
     for (size_t i = 0; i < rows.size(); ++i) {
-        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()), double(i) / double(rows.size()), double(i + 1) / double(rows.size()));
+        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()), double(i) / double(rows.size()),
+                       double(i + 1) / double(rows.size()));
         const Scene scene = sceneOf(rows[i], {raster.width, raster.height}, options);
         const RasterRow row = benchRaster(*renderer.device(), scene, rows[i], raster);
         progress.update(1);
@@ -221,8 +243,11 @@ Exit benchMatrixCommand(const Options& options, Renderer& renderer, const std::v
     Json json = benchContextJson(renderer);
     json["bench"] = "matrix";
     json["tables"] = Json::array();
-    if (text) printData(fmt::format("{}; medians [10 %..90 %] of rounds that run every way in turn; error against long double, u = 2^-24 of the largest entry; "
-                                     "products: of two matrices or a matrix and a vertex, and how many of them wait for one another\n", printable(renderer.name())));
+    if (text)
+        printData(fmt::format(
+            "{}; medians [10 %..90 %] of rounds that run every way in turn; error against long double, u = 2^-24 of the largest entry; "
+            "products: of two matrices or a matrix and a vertex, and how many of them wait for one another\n",
+            printable(renderer.name())));
     Exit verdict = Exit::done;
     const auto add = [&](const MatrixTable& table) {
         progress.update(1);
@@ -272,8 +297,8 @@ std::string textOf(const ClaimTable& table) {
     for (const ClaimWay& way : table.ways) {
         std::string counts;
         for (const auto& [what, count] : way.counts) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, what);
-        text += fmt::format("    {:<28} {:>10.4f} ms [{:.4f}..{:.4f}]  {:>7.2f} of the first [{:.2f}..{:.2f}]  {}\n", way.name, way.ms.median, way.ms.p10, way.ms.p90, way.ratio.median,
-                            way.ratio.p10, way.ratio.p90, counts);
+        text += fmt::format("    {:<28} {:>10.4f} ms [{:.4f}..{:.4f}]  {:>7.2f} of the first [{:.2f}..{:.2f}]  {}\n", way.name,
+                            way.ms.median, way.ms.p10, way.ms.p90, way.ratio.median, way.ratio.p10, way.ratio.p90, counts);
     }
     if (!table.failure.empty()) text += fmt::format("    THE COUNT DISAGREES: {}\n", table.failure);
     return text;
@@ -290,7 +315,8 @@ Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::v
     Progress progress(options.progress, options.quiet);
     claims.onProgress = tellAndListen(progress);
     const std::string row = rows.empty() ? kClaimScene : rows[0];
-    if (rows.size() > 1 || !row.starts_with("sphere")) throw usageError("bench claims takes one closed convex mesh: sphereN, N from 1e3 to 1e7");
+    if (rows.size() > 1 || !row.starts_with("sphere"))
+        throw usageError("bench claims takes one closed convex mesh: sphereN, N from 1e3 to 1e7");
     const Scene scene = sceneOf(row, {claims.width, claims.height}, options);
     progress.begin("bench claims");
     std::vector<ClaimTable> tables = benchTransformClaims(*renderer.device(), claims);
@@ -305,7 +331,8 @@ Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::v
     json["size"] = {claims.width, claims.height};
     json["tables"] = Json::array();
     if (text)
-        printData(fmt::format("{}\n{} at {}x{}; medians [10 %..90 %] of {} rounds that run every way in turn\n", printable(renderer.name()), row, claims.width, claims.height, claims.rounds));
+        printData(fmt::format("{}\n{} at {}x{}; medians [10 %..90 %] of {} rounds that run every way in turn\n", printable(renderer.name()),
+                              row, claims.width, claims.height, claims.rounds));
     Exit verdict = Exit::done;
     for (const ClaimTable& table : tables) {
         if (!table.failure.empty()) verdict = Exit::overGate;

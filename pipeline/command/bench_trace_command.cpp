@@ -8,8 +8,8 @@
 #include "pipeline/scene/text.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <fmt/ranges.h>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -36,11 +36,10 @@ Json jsonOf(const TraceRow& row) {
 }
 
 std::string textOf(const TraceRow& row) {
-    std::string text = fmt::format(
-        "{:<22} {:>8} {:>9.2f} {:>9.2f}   {:>5.2f} [{:.2f}..{:.2f}]   {:>5.2f}   {:>7.2f} {:>8.1f}   {:>6}   {}\n",
-        row.name, row.objects, row.theirsMs.median, row.oursMs.median, row.ratio.median, row.ratio.p10, row.ratio.p90,
-        row.ratioOfLeast, double(row.rays + row.feelers) / row.oursMs.median * 1e-3, row.longestDispatchMs, row.differ,
-        row.theirs);
+    std::string text =
+        fmt::format("{:<22} {:>8} {:>9.2f} {:>9.2f}   {:>5.2f} [{:.2f}..{:.2f}]   {:>5.2f}   {:>7.2f} {:>8.1f}   {:>6}   {}\n", row.name,
+                    row.objects, row.theirsMs.median, row.oursMs.median, row.ratio.median, row.ratio.p10, row.ratio.p90, row.ratioOfLeast,
+                    double(row.rays + row.feelers) / row.oursMs.median * 1e-3, row.longestDispatchMs, row.differ, row.theirs);
     if (!row.failure.empty()) text += fmt::format("    PICTURES DISAGREE: {}\n", row.failure);
     return text;
 }
@@ -52,8 +51,7 @@ Exit benchTraceCommand(const Options& options, Renderer& renderer, std::vector<s
     if (rows.empty()) rows = known;
     for (const std::string& row : rows)
         if (std::find(known.begin(), known.end(), row) == known.end())
-            throw usageError(
-                fmt::format("bench trace: '{}' is no row; accepted: {}", printable(row), fmt::join(known, ", ")));
+            throw usageError(fmt::format("bench trace: '{}' is no row; accepted: {}", printable(row), fmt::join(known, ", ")));
     TraceBenchOptions trace;
     if (options.size) trace.width = options.size->x, trace.height = options.size->y;
     trace.pairs = options.pairs;
@@ -70,12 +68,13 @@ Exit benchTraceCommand(const Options& options, Renderer& renderer, std::vector<s
             fmt::format("{}\n{}x{}, {} pairs; ratio = theirs / ours, median [10 %..90 %]; Mray/s of ours, feelers "
                         "counted; differ: pixels more than 4 levels or another triangle\n"
                         "{:<22} {:>8} {:>9} {:>9}   {:<18}  {:>5}   {:>7} {:>8}   {:>6}   {}\n",
-                        printable(renderer.name()), trace.width, trace.height, trace.pairs, "row", "objects",
-                        "theirs ms", "ours ms", "ratio", "least", "Mray/s", "dispatch", "differ", "theirs"));
+                        printable(renderer.name()), trace.width, trace.height, trace.pairs, "row", "objects", "theirs ms", "ours ms",
+                        "ratio", "least", "Mray/s", "dispatch", "differ", "theirs"));
     Exit verdict = Exit::done;
     std::vector<std::string> absent;
     for (size_t i = 0; i < rows.size(); ++i) {
-        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()), double(i) / double(rows.size()), double(i + 1) / double(rows.size()));
+        progress.begin(fmt::format("bench {}/{}", i + 1, rows.size()), double(i) / double(rows.size()),
+                       double(i + 1) / double(rows.size()));
         const std::vector<TraceRow> measured = benchTrace(*renderer.device(), rows[i], trace, absent);
         progress.update(1);
         progress.clear();

@@ -4,8 +4,8 @@
 #include "pipeline/command/renderer.h"
 #include "pipeline/scene/text.h"
 
-#include <cstdint>
 #include <fmt/core.h>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -54,12 +54,16 @@ Exit devicesCommand(const Options& options) {
     for (const DeviceInfo& info : devices) {
         const bool picked = !choice.twin && choice.info.index == info.index;
         const Tested t = tested(info, request);
-        if (picked && !t.failure.empty() && !options.requireDevice.empty()) throw deviceError(fmt::format("'{}' cannot draw: {}", info.name, t.failure));
+        if (picked && !t.failure.empty() && !options.requireDevice.empty())
+            throw deviceError(fmt::format("'{}' cannot draw: {}", info.name, t.failure));
         text += fmt::format("{} {}  {}\n", picked ? "*" : " ", info.index, printable(info.name));
-        text += fmt::format("     {}, {} {}, Vulkan {}, {}\n", info.type, printable(info.driver), printable(info.driverInfo), info.apiVersion, info.uuid);
-        text += t.failure.empty() ? fmt::format("     self-test passed{}; native division exact: {}, native root exact: {}; memory budget {} MiB\n", t.test.fromCache ? " (kept from before)" : "",
-                                                yesNo(t.test.nativeDivideIsExact), yesNo(t.test.nativeRootIsExact), t.budgetBytes >> 20)
-                                  : fmt::format("     cannot draw: {}\n", t.failure);
+        text += fmt::format("     {}, {} {}, Vulkan {}, {}\n", info.type, printable(info.driver), printable(info.driverInfo),
+                            info.apiVersion, info.uuid);
+        text += t.failure.empty()
+                    ? fmt::format("     self-test passed{}; native division exact: {}, native root exact: {}; memory budget {} MiB\n",
+                                  t.test.fromCache ? " (kept from before)" : "", yesNo(t.test.nativeDivideIsExact),
+                                  yesNo(t.test.nativeRootIsExact), t.budgetBytes >> 20)
+                    : fmt::format("     cannot draw: {}\n", t.failure);
         json["devices"].push_back({{"index", info.index},
                                    {"name", info.name},
                                    {"type", info.type},

@@ -9,11 +9,11 @@
 #include "pipeline/image/image.h"
 #include "pipeline/scene/text.h"
 
-#include <cstddef>
-#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,30 +40,26 @@ const char* channelName(const LayerDifference& d, uint32_t channel) {
 
 // 0.0078 of full scale is hard to read for who thinks in bytes.
 std::string levelsText(const LayerDifference& d, double error) {
-    return d.a.kind == LayerKind::code ? fmt::format("{:.6g} ({:.6g}/255)", error, error * 255)
-                                       : fmt::format("{:.9g}", error);
+    return d.a.kind == LayerKind::code ? fmt::format("{:.6g} ({:.6g}/255)", error, error * 255) : fmt::format("{:.9g}", error);
 }
 
 std::string nanText(const LayerDifference& d, const std::string& nameA, const std::string& nameB) {
     const auto side = [&](const NotANumber& nan, const std::string& name) {
         return nan.pixels == 0 ? std::string()
-                               : fmt::format("    NaN         {} pixels of {}, the first at {}\n", nan.pixels, name,
-                                             placeText(nan.first));
+                               : fmt::format("    NaN         {} pixels of {}, the first at {}\n", nan.pixels, name, placeText(nan.first));
     };
     return side(d.nanA, nameA) + side(d.nanB, nameB);
 }
 
-std::string textOf(const LayerDifference& d, const std::string& nameA, const std::string& nameB,
-                   double pixelsPerDegree) {
+std::string textOf(const LayerDifference& d, const std::string& nameA, const std::string& nameB, double pixelsPerDegree) {
     const std::string forms[] = {describe(d.a), describe(d.b)};
-    std::string text =
-        fmt::format("  {} ({})\n", d.name, forms[0] == forms[1] ? forms[0] : forms[0] + " against " + forms[1]);
+    std::string text = fmt::format("  {} ({})\n", d.name, forms[0] == forms[1] ? forms[0] : forms[0] + " against " + forms[1]);
     text += nanText(d, nameA, nameB);
     text += fmt::format("    differing   {} of {} pixels", d.differing, d.pixels);
     if (d.differing != 0)
         text += fmt::format(" ({:.3g} %), the first at {}; largest connected region {} pixels in {} to {}",
-                            100.0 * double(d.differing) / double(d.pixels), placeText(*d.firstDiffering),
-                            d.region.pixels, placeText(d.region.least), placeText(d.region.most));
+                            100.0 * double(d.differing) / double(d.pixels), placeText(*d.firstDiffering), d.region.pixels,
+                            placeText(d.region.least), placeText(d.region.most));
     text += "\n";
     if (d.a.kind == LayerKind::id) return text;
     if (!d.max) return text + "    no norm     every pixel has a NaN\n";
@@ -75,29 +71,24 @@ std::string textOf(const LayerDifference& d, const std::string& nameA, const std
     }
     text += fmt::format("\n    mean        {}\n    rmse        {}\n", levelsText(d, *d.mean), levelsText(d, *d.rmse));
     if (d.ulp)
-        text += fmt::format("    ulp         {:.0f} (float{}){}\n", *d.ulp, d.ulpPrecision,
-                            *d.ulp > 0 ? " at " + placeText(d.ulpAt) : "");
+        text += fmt::format("    ulp         {:.0f} (float{}){}\n", *d.ulp, d.ulpPrecision, *d.ulp > 0 ? " at " + placeText(d.ulpAt) : "");
     if (d.a.colour) {
         text += fmt::format("    psnr        {:.6f} dB\n", *d.psnr);
         for (size_t k = 0; k < kLevels.size(); ++k)
             text += fmt::format("{}{} over {}/255", k == 0 ? "    levels      " : ", ", d.over[k], kLevels[k]);
         text += "\n";
     }
-    if (d.ssim)
-        text += fmt::format("    ssim        {:.6f}, lowest {:.6f} at {}\n", d.ssim->mean, d.ssim->worst,
-                            placeText(d.ssim->at));
+    if (d.ssim) text += fmt::format("    ssim        {:.6f}, lowest {:.6f} at {}\n", d.ssim->mean, d.ssim->worst, placeText(d.ssim->at));
     if (d.flip)
-        text += fmt::format("    flip        {:.6f} at {:.4g} pixels a degree, largest {:.6f} at {}\n", d.flip->mean,
-                            pixelsPerDegree, d.flip->worst, placeText(d.flip->at));
+        text += fmt::format("    flip        {:.6f} at {:.4g} pixels a degree, largest {:.6f} at {}\n", d.flip->mean, pixelsPerDegree,
+                            d.flip->worst, placeText(d.flip->at));
     if (d.deltaE)
-        text += fmt::format("    deltae      {:.6f} (CIEDE2000), largest {:.6f} at {}\n", d.deltaE->mean,
-                            d.deltaE->worst, placeText(d.deltaE->at));
+        text += fmt::format("    deltae      {:.6f} (CIEDE2000), largest {:.6f} at {}\n", d.deltaE->mean, d.deltaE->worst,
+                            placeText(d.deltaE->at));
     return text;
 }
 
-Json perceivedJson(const Perceived& p, const char* worst) {
-    return {{"mean", p.mean}, {worst, p.worst}, {"at", placeJson(p.at)}};
-}
+Json perceivedJson(const Perceived& p, const char* worst) { return {{"mean", p.mean}, {worst, p.worst}, {"at", placeJson(p.at)}}; }
 
 Json layerJson(const LayerDifference& d, double pixelsPerDegree) {
     static constexpr const char* kKinds[] = {"code", "real", "id"};
@@ -114,16 +105,13 @@ Json layerJson(const LayerDifference& d, double pixelsPerDegree) {
     json["differing"] = d.differing;
     if (d.firstDiffering) {
         json["first_differing"] = placeJson(*d.firstDiffering);
-        json["region"] = {
-            {"pixels", d.region.pixels}, {"least", placeJson(d.region.least)}, {"most", placeJson(d.region.most)}};
+        json["region"] = {{"pixels", d.region.pixels}, {"least", placeJson(d.region.least)}, {"most", placeJson(d.region.most)}};
     }
     if (d.max) {
         json["max"] = numberJson(*d.max);
         if (*d.max > 0)
-            json["max_at"] = {{"pixel", placeJson(d.maxAt)},
-                              {"channel", d.maxChannel},
-                              {"a", numberJson(d.valueA)},
-                              {"b", numberJson(d.valueB)}};
+            json["max_at"] = {
+                {"pixel", placeJson(d.maxAt)}, {"channel", d.maxChannel}, {"a", numberJson(d.valueA)}, {"b", numberJson(d.valueB)}};
         json["mean"] = numberJson(*d.mean);
         json["rmse"] = numberJson(*d.rmse);
     }
@@ -145,11 +133,7 @@ Json layerJson(const LayerDifference& d, double pixelsPerDegree) {
 Json pictureJson(const Picture& p) {
     Json planes = Json::array();
     for (const Layer& layer : p.layers) planes.push_back({{"name", layer.name}, {"type", describe(layer)}});
-    return {{"path", p.path},
-            {"sha256", p.sha256},
-            {"format", p.format},
-            {"size", {p.width, p.height}},
-            {"planes", planes}};
+    return {{"path", p.path}, {"sha256", p.sha256}, {"format", p.format}, {"size", {p.width, p.height}}, {"planes", planes}};
 }
 
 std::string valueText(const GateResult& r) {
@@ -157,26 +141,21 @@ std::string valueText(const GateResult& r) {
 }
 
 std::string gateText(const GateResult& r) {
-    std::string text = fmt::format("gate {}: {} is {} {}", printable(r.gate->text), nameOf(r.gate->metric),
-                                   valueText(r), r.held ? "and holds" : "and does NOT hold");
+    std::string text = fmt::format("gate {}: {} is {} {}", printable(r.gate->text), nameOf(r.gate->metric), valueText(r),
+                                   r.held ? "and holds" : "and does NOT hold");
     if (!r.held && r.at) text += fmt::format("; worst at {}", placeText(*r.at));
     return text + fmt::format(" (plane {})", r.layer);
 }
 
 Json gateJson(const GateResult& r) {
-    Json json = {{"gate", r.gate->text},
-                 {"plane", r.layer},
-                 {"value", numberJson(r.value)},
-                 {"limit", r.gate->limit},
-                 {"held", r.held}};
+    Json json = {{"gate", r.gate->text}, {"plane", r.layer}, {"value", numberJson(r.value)}, {"limit", r.gate->limit}, {"held", r.held}};
     if (r.at) json["at"] = placeJson(*r.at);
     return json;
 }
 
 // What is drawn when planes are many: the first that differs, else the first.
 const LayerDifference* shown(const Comparison& c) {
-    const auto at = std::find_if(c.layers.begin(), c.layers.end(),
-                                 [](const LayerDifference& d) { return d.differing != 0 || d.hasNan(); });
+    const auto at = std::find_if(c.layers.begin(), c.layers.end(), [](const LayerDifference& d) { return d.differing != 0 || d.hasNan(); });
     return at != c.layers.end() ? &*at : c.layers.empty() ? nullptr : c.layers.data();
 }
 
@@ -191,25 +170,20 @@ Json writePictures(const Options& options, FileBatch& batch, const Picture& a, c
     std::vector<std::pair<std::string, std::vector<std::byte>>> files;
     if (!options.output.empty()) {
         const DifferencePicture picture = drawDifference(a, b, *layer);
-        files.emplace_back(options.output, encodePng(picture.frame, write,
-                                                     {{"Software", software},
-                                                      {"plumb:plane", layer->name},
-                                                      {"plumb:gain", fmt::format("2^{}", picture.exponent)}}));
-        written.push_back({{"path", options.output},
-                           {"shows", "difference"},
-                           {"plane", layer->name},
-                           {"gain_exponent", picture.exponent}});
+        files.emplace_back(
+            options.output,
+            encodePng(picture.frame, write,
+                      {{"Software", software}, {"plumb:plane", layer->name}, {"plumb:gain", fmt::format("2^{}", picture.exponent)}}));
+        written.push_back({{"path", options.output}, {"shows", "difference"}, {"plane", layer->name}, {"gain_exponent", picture.exponent}});
     }
     if (!options.heat.empty()) {
         const HeatPicture picture = drawHeat(*layer, a.width, a.height);
         const char* what = picture.flip ? "flip" : "error";
-        files.emplace_back(options.heat,
-                           encodePng(picture.frame, write,
-                                     {{"Software", software},
-                                      {"plumb:plane", layer->name},
-                                      {"plumb:heat", fmt::format("{}, 0 to {:.9g}", what, picture.brightest)}}));
-        written.push_back(
-            {{"path", options.heat}, {"shows", what}, {"plane", layer->name}, {"brightest", picture.brightest}});
+        files.emplace_back(options.heat, encodePng(picture.frame, write,
+                                                   {{"Software", software},
+                                                    {"plumb:plane", layer->name},
+                                                    {"plumb:heat", fmt::format("{}, 0 to {:.9g}", what, picture.brightest)}}));
+        written.push_back({{"path", options.heat}, {"shows", what}, {"plane", layer->name}, {"brightest", picture.brightest}});
     }
     for (const auto& [path, bytes] : files) batch.add(path, bytes, options.noClobber);
     return written;
@@ -222,8 +196,7 @@ Exit diffCommand(const Options& options) {
     for (const std::string& text : options.gates) gates.push_back(parseGate(text));
     for (const std::string& path : {options.output, options.heat})
         if (!path.empty()) checkWritable(path, options.noClobber);
-    if (!options.heat.empty() && options.heat == options.output)
-        throw usageError("--output and --heat name the same file");
+    if (!options.heat.empty() && options.heat == options.output) throw usageError("--output and --heat name the same file");
 
     const Picture a = readPicture(options.inputs[0]);
     stopIfInterrupted();
@@ -242,20 +215,18 @@ Exit diffCommand(const Options& options) {
     std::vector<std::string> faults;
     if (!comparison.sameSize) faults.push_back(fmt::format("the sizes differ: {}", comparison.sizeDifference));
     for (const auto& [names, path] : {std::pair{&comparison.onlyA, &b.path}, {&comparison.onlyB, &a.path}})
-        for (const std::string& name : *names)
-            faults.push_back(fmt::format("{} has no plane '{}'", printable(*path), name));
+        for (const std::string& name : *names) faults.push_back(fmt::format("{} has no plane '{}'", printable(*path), name));
     for (const LayerDifference& d : comparison.layers) {
         if (d.hasNan() && !nanIsJudged(gates, d.name)) {
             const NotANumber& nan = d.nanA.pixels != 0 ? d.nanA : d.nanB;
-            faults.push_back(fmt::format("NaN at {} of plane {} of {}", placeText(nan.first), d.name,
-                                         printable(d.nanA.pixels != 0 ? a.path : b.path)));
+            faults.push_back(
+                fmt::format("NaN at {} of plane {} of {}", placeText(nan.first), d.name, printable(d.nanA.pixels != 0 ? a.path : b.path)));
         }
         if (gates.empty() && d.differing != 0)
-            faults.push_back(d.max && *d.max > 0
-                                 ? fmt::format("plane {} differs in {} pixels, by at most {} at {}", d.name,
-                                               d.differing, levelsText(d, *d.max), placeText(d.maxAt))
-                                 : fmt::format("plane {} differs in {} pixels, the first at {}", d.name, d.differing,
-                                               placeText(*d.firstDiffering)));
+            faults.push_back(d.max && *d.max > 0 ? fmt::format("plane {} differs in {} pixels, by at most {} at {}", d.name, d.differing,
+                                                               levelsText(d, *d.max), placeText(d.maxAt))
+                                                 : fmt::format("plane {} differs in {} pixels, the first at {}", d.name, d.differing,
+                                                               placeText(*d.firstDiffering)));
     }
     for (const GateResult& r : results)
         if (!r.held) faults.push_back(gateText(r));
@@ -267,10 +238,9 @@ Exit diffCommand(const Options& options) {
     for (const LayerDifference& d : comparison.layers) text += textOf(d, nameA, nameB, how.pixelsPerDegree);
     for (const GateResult& r : results) text += gateText(r) + "\n";
     for (const Json& w : written)
-        text +=
-            fmt::format("wrote {} ({} of plane {}{})\n", printable(w["path"].get<std::string>()),
-                        w["shows"].get<std::string>(), w["plane"].get<std::string>(),
-                        w.contains("gain_exponent") ? fmt::format(", times 2^{}", w["gain_exponent"].get<int>()) : "");
+        text += fmt::format("wrote {} ({} of plane {}{})\n", printable(w["path"].get<std::string>()), w["shows"].get<std::string>(),
+                            w["plane"].get<std::string>(),
+                            w.contains("gain_exponent") ? fmt::format(", times 2^{}", w["gain_exponent"].get<int>()) : "");
     // Standard output is taken by the picture of -o - or by --json.
     const bool printed = options.output != "-" && !(options.json && options.jsonFile.empty());
 

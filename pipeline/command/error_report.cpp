@@ -11,11 +11,7 @@ namespace {
 constexpr double kSteps = 255;
 
 Json figuresJson(const ErrorFigures& f, double unit) {
-    return {{"max", f.max / unit},
-            {"maxAt", {f.x, f.y}},
-            {"mean", f.mean / unit},
-            {"rms", f.rms / unit},
-            {"p99", f.p99 / unit}};
+    return {{"max", f.max / unit}, {"maxAt", {f.x, f.y}}, {"mean", f.mean / unit}, {"rms", f.rms / unit}, {"p99", f.p99 / unit}};
 }
 
 }  // namespace
@@ -27,9 +23,11 @@ Json truthJson(const Truth& truth) {
             {"timeMs", truth.timeMs},
             {"undecided", truth.undecided},
             {"leftOut", truth.leftOut},
-            {"description", truth.traced ? "rays from the definitions in binary64, 64 deep and to a weight of 2^-20, without noise; samples whose decisions its bounds leave open are "
+            {"description", truth.traced ? "rays from the definitions in binary64, 64 deep and to a weight of 2^-20, without noise; "
+                                           "samples whose decisions its bounds leave open are "
                                            "followed again in 64 bits and in binary128"
-                                         : "Phong at every sample in binary64: perspective, exact specular power, vertices not snapped; decisions that binary64 leaves open are made "
+                                         : "Phong at every sample in binary64: perspective, exact specular power, vertices not snapped; "
+                                           "decisions that binary64 leaves open are made "
                                            "without rounding"}};
 }
 
@@ -45,8 +43,8 @@ Json errorJson(const FrameError& e, bool sampledAlike, const std::optional<Round
     json["linear"] = figuresJson(e.linear, 1);
     json["rounding"] = Json();
     if (rounding)
-        json["rounding"] = {{"max", rounding->max / kSteps},   {"maxAt", {rounding->x, rounding->y}}, {"mean", rounding->mean / kSteps},
-                            {"rms", rounding->rms / kSteps},   {"p99", rounding->p99 / kSteps},       {"linearMax", rounding->linearMax},
+        json["rounding"] = {{"max", rounding->max / kSteps}, {"maxAt", {rounding->x, rounding->y}}, {"mean", rounding->mean / kSteps},
+                            {"rms", rounding->rms / kSteps}, {"p99", rounding->p99 / kSteps},       {"linearMax", rounding->linearMax},
                             {"pixels", rounding->pixels}};
     return json;
 }
@@ -55,8 +53,9 @@ std::string errorLine(const FrameError& e, const Truth& truth, const std::option
     return fmt::format(
         "error in steps of 1/255 over {} pixels: max {:.3f} at ({}, {}), p99 {:.3f}, rms {:.3f}; wrong primitive in {} "
         "({:.3f} %){}; truth in {:.0f} ms, {} {}",
-        e.pixels, e.picture.max, e.picture.x, e.picture.y, e.picture.p99, e.picture.rms, e.wrongPrimitive,
-        100 * e.wrongShare(), rounding ? fmt::format("; float32 by itself: max {:.2g}, rms {:.2g}", rounding->max, rounding->rms) : "", truth.timeMs, truth.redone, truth.traced ? "samples followed again in more bits" : "decisions redone exactly");
+        e.pixels, e.picture.max, e.picture.x, e.picture.y, e.picture.p99, e.picture.rms, e.wrongPrimitive, 100 * e.wrongShare(),
+        rounding ? fmt::format("; float32 by itself: max {:.2g}, rms {:.2g}", rounding->max, rounding->rms) : "", truth.timeMs,
+        truth.redone, truth.traced ? "samples followed again in more bits" : "decisions redone exactly");
 }
 
 }  // namespace plumb

@@ -8,12 +8,12 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <limits>
 #include <string>
@@ -46,7 +46,7 @@ Edges edgesOf(const TriangleMesh& mesh) {
         corner[order[i]] = uint32_t(result.corners - 1);
     }
     struct Edge {
-        uint64_t ends;       // lower corner in the high half
+        uint64_t ends;  // lower corner in the high half
         bool reversed;
     };
     std::vector<Edge> uses;
@@ -92,7 +92,12 @@ Json meshJson(const TriangleMesh& mesh) {
 }
 
 Json materialJson(const Material& m) {
-    return {{"name", m.name}, {"ambient", vec(m.ambient)}, {"diffuse", vec(m.diffuse)}, {"specular", vec(m.specular)}, {"emission", vec(m.emission)}, {"shininess", m.shininess}};
+    return {{"name", m.name},
+            {"ambient", vec(m.ambient)},
+            {"diffuse", vec(m.diffuse)},
+            {"specular", vec(m.specular)},
+            {"emission", vec(m.emission)},
+            {"shininess", m.shininess}};
 }
 
 // World-space box of all objects; of the eight corners of each, so it may be larger than the vertices need.
@@ -102,7 +107,8 @@ Json worldBounds(const Scene& scene) {
         const TriangleMesh& mesh = scene.meshes[object.mesh];
         if (mesh.positions.empty()) continue;
         for (int i = 0; i < 8; ++i) {
-            const glm::dvec3 p((i & 1 ? mesh.statedMax : mesh.statedMin).x, (i & 2 ? mesh.statedMax : mesh.statedMin).y, (i & 4 ? mesh.statedMax : mesh.statedMin).z);
+            const glm::dvec3 p((i & 1 ? mesh.statedMax : mesh.statedMin).x, (i & 2 ? mesh.statedMax : mesh.statedMin).y,
+                               (i & 4 ? mesh.statedMax : mesh.statedMin).z);
             const glm::dvec3 world(object.worldFromObject * glm::dvec4(p, 1));
             least = glm::min(least, world);
             most = glm::max(most, world);
@@ -124,28 +130,36 @@ std::string boxInWords(const Json& box) {
     const int more = size > 0 && reach > size ? int(std::ceil(std::log10(reach / size))) : 0;
     const int digits = std::min(kDigits + more, kMostDigits);
     const auto point = [&](const Json& p) {
-        return fmt::format("({:.{}g}, {:.{}g}, {:.{}g})", p[0].get<double>(), digits, p[1].get<double>(), digits, p[2].get<double>(), digits);
+        return fmt::format("({:.{}g}, {:.{}g}, {:.{}g})", p[0].get<double>(), digits, p[1].get<double>(), digits, p[2].get<double>(),
+                           digits);
     };
     return fmt::format("{} to {}", point(box["min"]), point(box["max"]));
 }
 
 std::string textOf(const Json& json) {
     const auto box = [](const Json& b) { return b.is_null() ? std::string("nothing") : boxInWords(b); };
-    const auto count = [](const Json& value, const char* one, const char* many) { return fmt::format("{} {}", value.get<uint64_t>(), value.get<uint64_t>() == 1 ? one : many); };
+    const auto count = [](const Json& value, const char* one, const char* many) {
+        return fmt::format("{} {}", value.get<uint64_t>(), value.get<uint64_t>() == 1 ? one : many);
+    };
     const Json& scene = json["scene"];
-    std::string text = fmt::format("{}\n  {}, {}, {}; bounds {}\n", printable(scene["path"].get<std::string>()), count(scene["objects"], "object", "objects"),
-                                   count(scene["triangles"], "triangle", "triangles"), count(scene["lights"], "light", "lights"), box(json["bounds"]));
+    std::string text = fmt::format("{}\n  {}, {}, {}; bounds {}\n", printable(scene["path"].get<std::string>()),
+                                   count(scene["objects"], "object", "objects"), count(scene["triangles"], "triangle", "triangles"),
+                                   count(scene["lights"], "light", "lights"), box(json["bounds"]));
     for (const Json& m : json["meshes"]) {
-        text += fmt::format("  mesh '{}': {}, {}, {}; bounds {}\n", printable(m["name"].get<std::string>(), 60), count(m["faces"], "face", "faces"),
-                            count(m["triangles"], "triangle", "triangles"), count(m["positions"], "position", "positions"), box(m["bounds"]));
-        text += fmt::format("    {}: {} of {} edges are boundary, {} non-manifold, {} between faces of opposite orientation; {}\n", m["closed"].get<bool>() ? "closed" : "open",
-                            m["boundary_edges"].get<uint64_t>(), m["edges"].get<uint64_t>(), m["non_manifold_edges"].get<uint64_t>(), m["flipped_edges"].get<uint64_t>(),
+        text += fmt::format("  mesh '{}': {}, {}, {}; bounds {}\n", printable(m["name"].get<std::string>(), 60),
+                            count(m["faces"], "face", "faces"), count(m["triangles"], "triangle", "triangles"),
+                            count(m["positions"], "position", "positions"), box(m["bounds"]));
+        text += fmt::format("    {}: {} of {} edges are boundary, {} non-manifold, {} between faces of opposite orientation; {}\n",
+                            m["closed"].get<bool>() ? "closed" : "open", m["boundary_edges"].get<uint64_t>(), m["edges"].get<uint64_t>(),
+                            m["non_manifold_edges"].get<uint64_t>(), m["flipped_edges"].get<uint64_t>(),
                             count(m["degenerate_faces"], "degenerate face", "degenerate faces"));
     }
     for (const Json& m : json["materials"]) {
-        const auto colour = [&](const char* key) { return fmt::format("{:g},{:g},{:g}", m[key][0].get<double>(), m[key][1].get<double>(), m[key][2].get<double>()); };
-        text += fmt::format("  material '{}': Ka {}  Kd {}  Ks {}  Ke {}  Ns {:g}\n", printable(m["name"].get<std::string>(), 60), colour("ambient"), colour("diffuse"), colour("specular"), colour("emission"),
-                            m["shininess"].get<double>());
+        const auto colour = [&](const char* key) {
+            return fmt::format("{:g},{:g},{:g}", m[key][0].get<double>(), m[key][1].get<double>(), m[key][2].get<double>());
+        };
+        text += fmt::format("  material '{}': Ka {}  Kd {}  Ks {}  Ke {}  Ns {:g}\n", printable(m["name"].get<std::string>(), 60),
+                            colour("ambient"), colour("diffuse"), colour("specular"), colour("emission"), m["shininess"].get<double>());
     }
     for (const Json& ignored : scene["ignored"]) text += fmt::format("  not drawn: {}\n", ignored.get<std::string>());
     for (const Json& warning : scene["warnings"]) text += fmt::format("  warning: {}\n", warning.get<std::string>());
@@ -159,7 +173,8 @@ Exit infoCommand(const Options& options) {
     std::vector<Json> reports;
     for (const std::string& path : options.inputs) {
         stopIfInterrupted();
-        const LoadOptions load = loadOptionsOf(options, &progress, double(reports.size()) / double(options.inputs.size()), double(reports.size() + 1) / double(options.inputs.size()));
+        const LoadOptions load = loadOptionsOf(options, &progress, double(reports.size()) / double(options.inputs.size()),
+                                               double(reports.size() + 1) / double(options.inputs.size()));
         const Scene scene = loadScene({path}, load);
         progress.clear();
         Json json;

@@ -4,8 +4,8 @@
 #include "host/error.h"
 #include "pipeline/image/image.h"
 
-#include <csignal>
 #include <unistd.h>
+#include <csignal>
 
 namespace plumb {
 namespace {
@@ -23,12 +23,12 @@ extern "C" void onSignal(int signal) {
 }  // namespace
 
 void catchInterrupts() {
-    struct sigaction action{};
+    struct sigaction action {};
     action.sa_handler = onSignal;
     action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
     for (const int signal : {SIGINT, SIGTERM}) {
-        struct sigaction before{};
+        struct sigaction before {};
         ::sigaction(signal, nullptr, &before);
         if (before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);  // nohup and background jobs keep theirs
     }

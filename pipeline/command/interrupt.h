@@ -5,7 +5,7 @@
 namespace plumb {
 
 void catchInterrupts();
-int interruptedBy();        // 0, SIGINT or SIGTERM
-void stopIfInterrupted();   // throws Error(interrupted) or Error(terminated)
+int interruptedBy();       // 0, SIGINT or SIGTERM
+void stopIfInterrupted();  // throws Error(interrupted) or Error(terminated)
 
 }  // namespace plumb

@@ -4,10 +4,10 @@
 #include "pipeline/command/command.h"
 #include "pipeline/command/interrupt.h"
 
-#include <cstdio>
 #include <fcntl.h>
-#include <new>
 #include <unistd.h>
+#include <cstdio>
+#include <new>
 
 namespace {
 
@@ -23,15 +23,24 @@ plumb::Exit run(const plumb::Options& options) {
     if (options.version) return printData(versionReport()), Exit::done;
     if (options.help) return printData(options.command == kHelp ? usageText() : helpText(options.command)), Exit::done;
     switch (options.command) {
-        case kRender: return renderCommand(options);
-        case kVerify: return verifyCommand(options);
-        case kDiff: return diffCommand(options);
-        case kMeasure: return measureCommand(options);
-        case kDevices: return devicesCommand(options);
-        case kInfo: return infoCommand(options);
-        case kMatrix: return matrixCommand(options);
-        case kBench: return benchCommand(options);
-        default: return helpCommand(options);
+        case kRender:
+            return renderCommand(options);
+        case kVerify:
+            return verifyCommand(options);
+        case kDiff:
+            return diffCommand(options);
+        case kMeasure:
+            return measureCommand(options);
+        case kDevices:
+            return devicesCommand(options);
+        case kInfo:
+            return infoCommand(options);
+        case kMatrix:
+            return matrixCommand(options);
+        case kBench:
+            return benchCommand(options);
+        default:
+            return helpCommand(options);
     }
 }
 
@@ -56,7 +65,8 @@ int main(int count, char** arguments) {
         return int(run(options));
     } catch (const plumb::Error& error) {
         // A renderer that was told to stop says so; which signal told it is known here.
-        if (error.exit() == plumb::Exit::interrupted && plumb::interruptedBy() != 0) return fail(plumb::Exit(128 + plumb::interruptedBy()), error.what());
+        if (error.exit() == plumb::Exit::interrupted && plumb::interruptedBy() != 0)
+            return fail(plumb::Exit(128 + plumb::interruptedBy()), error.what());
         if (error.exit() == plumb::kReaderLeft) return makesFiles(options) ? fail(plumb::Exit::failed, error.what()) : int(error.exit());
         return fail(error.exit(), error.what());
     } catch (const std::bad_alloc&) {

@@ -10,13 +10,13 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
-#include <algorithm>
 #include <cstring>
-#include <fmt/ranges.h>
 #include <glm/glm.hpp>
 #include <span>
 #include <string>
@@ -85,8 +85,7 @@ template <class Matrix>
 double largestDifference(const Matrix& a, const Matrix& b) {
     double largest = 0;
     for (int column = 0; column < Matrix::length(); ++column)
-        for (int row = 0; row < Matrix::length(); ++row)
-            largest = std::max(largest, std::abs(a[column][row] - b[column][row]));
+        for (int row = 0; row < Matrix::length(); ++row) largest = std::max(largest, std::abs(a[column][row] - b[column][row]));
     return largest;
 }
 
@@ -104,10 +103,8 @@ std::vector<Point> manyPoints(uint64_t count) {
 }
 
 Json chainCountersJson(const ChainCounters& counters, double timeMs) {
-    return {{"products", counters.products},
-            {"applications", counters.applications},
-            {"equations", counters.equations},
-            {"time_ms", timeMs}};
+    return {
+        {"products", counters.products}, {"applications", counters.applications}, {"equations", counters.equations}, {"time_ms", timeMs}};
 }
 
 // The same vertices three ways, counted and timed: each step on its own, the composite, the composite on several threads.
@@ -146,13 +143,11 @@ Json verticesJson(const Options& options, std::span<const Step<Matrix>> chain, s
         counters.equations = equations;
         json["parallel"] = chainCountersJson(counters, watch.elapsedMs());
         json["parallel"]["threads"] = threads;
-        json["parallel"]["same_bytes"] =
-            std::memcmp(together.data(), parallel.data(), together.size() * sizeof(Point)) == 0;
+        json["parallel"]["same_bytes"] = std::memcmp(together.data(), parallel.data(), together.size() * sizeof(Point)) == 0;
     }
     double largest = 0;
     for (size_t i = 0; i < together.size(); ++i)
-        for (int axis = 0; axis < Point::length(); ++axis)
-            largest = std::max(largest, std::abs(together[i][axis] - separately[i][axis]));
+        for (int axis = 0; axis < Point::length(); ++axis) largest = std::max(largest, std::abs(together[i][axis] - separately[i][axis]));
     json["largest_difference"] = largest;
     json["dependent_steps"] = depth + 1;  // levels of products, then all points at once
     return json;
@@ -173,9 +168,8 @@ Json chainJson(const Options& options, std::span<const Step<Matrix>> chain) {
     const Matrix composite = products.empty() ? Matrix(1.0) : products.back();
     json["steps"] = Json::array();
     for (size_t i = 0; i < chain.size(); ++i) {
-        Json step = {{"name", chain[i].name},
-                     {"matrix", matrixJson(options, chain[i].matrix)},
-                     {"product", matrixJson(options, products[i])}};
+        Json step = {
+            {"name", chain[i].name}, {"matrix", matrixJson(options, chain[i].matrix)}, {"product", matrixJson(options, products[i])}};
         if (!points.empty()) {
             ChainCounters counters;
             Matrix m = chain[i].matrix;
@@ -213,10 +207,9 @@ Json chainJson(const Options& options, std::span<const Step<Matrix>> chain) {
 }
 
 std::string textOfChain(const Json& json) {
-    std::string text =
-        fmt::format("{}-D, {} ({} vectors){}\n", json["dimensions"].get<int>(),
-                    json["notation"] == "row" ? "point * matrix" : "matrix * point",
-                    json["notation"].get<std::string>(), json["z_reversed"].get<bool>() ? ", Z axis reversed" : "");
+    std::string text = fmt::format("{}-D, {} ({} vectors){}\n", json["dimensions"].get<int>(),
+                                   json["notation"] == "row" ? "point * matrix" : "matrix * point", json["notation"].get<std::string>(),
+                                   json["z_reversed"].get<bool>() ? ", Z axis reversed" : "");
     size_t number = 0;
     for (const Json& step : json["steps"]) {
         text += fmt::format("step {}: {}\n{}", ++number, step["name"].get<std::string>(), textOfMatrix(step["matrix"]));
@@ -252,13 +245,12 @@ std::string textOfChain(const Json& json) {
         const Json& run = json["run"];
         const auto line = [](const char* name, const Json& c) {
             return fmt::format("  {:<26}{:>4} products {:>9} matrix*point {:>9} equations {:>9.3f} ms\n", name,
-                               c["products"].get<uint64_t>(), c["applications"].get<uint64_t>(),
-                               c["equations"].get<uint64_t>(), c["time_ms"].get<double>());
+                               c["products"].get<uint64_t>(), c["applications"].get<uint64_t>(), c["equations"].get<uint64_t>(),
+                               c["time_ms"].get<double>());
         };
-        text += fmt::format("{} vertices:\n", run["vertices"].get<uint64_t>()) +
-                line("each step on its own", run["separate"]) + line("composite", run["composite"]) +
-                line(fmt::format("composite, {} threads", run["parallel"]["threads"].get<uint32_t>()).c_str(),
-                     run["parallel"]);
+        text += fmt::format("{} vertices:\n", run["vertices"].get<uint64_t>()) + line("each step on its own", run["separate"]) +
+                line("composite", run["composite"]) +
+                line(fmt::format("composite, {} threads", run["parallel"]["threads"].get<uint32_t>()).c_str(), run["parallel"]);
         text += fmt::format(
             "  threads leave {} bytes; composite and single steps differ by at most {:.3g}; {} dependent steps with "
             "enough hardware\n",
@@ -288,17 +280,14 @@ std::vector<Json> ofScene(const Options& options, const std::string& path) {
         json["object"] = {{"number", i}, {"name", object.name}};
         json.update(chainJson(options, std::span<const Step3>(chain)));
         if (options.inverse && !json.contains("inverse"))
-            throw inputError(printablePath(path),
-                             fmt::format("object '{}': the composite has no inverse", printable(object.name, 64)));
+            throw inputError(printablePath(path), fmt::format("object '{}': the composite has no inverse", printable(object.name, 64)));
         reports.push_back(std::move(json));
     }
     if (reports.empty()) {
         std::vector<std::string> names;
-        for (size_t i = 0; i < std::min<size_t>(24, scene.objects.size()); ++i)
-            names.push_back(printable(scene.objects[i].name, 40));
-        throw usageError(fmt::format("--object: '{}' is none of the {} objects of {}: {}",
-                                     printable(options.object, 64), scene.objects.size(), printable(path),
-                                     fmt::join(names, ", ")));
+        for (size_t i = 0; i < std::min<size_t>(24, scene.objects.size()); ++i) names.push_back(printable(scene.objects[i].name, 40));
+        throw usageError(fmt::format("--object: '{}' is none of the {} objects of {}: {}", printable(options.object, 64),
+                                     scene.objects.size(), printable(path), fmt::join(names, ", ")));
     }
     return reports;
 }
@@ -322,14 +311,10 @@ Json ofSteps(const Options& options) {
 
 Exit matrixCommand(const Options& options) {
     // A step has a '=', and a scene is one file; a path with a '=' is written ./a=b.toml.
-    const auto isStep = [](const std::string& word) {
-        return word.find('=') != std::string::npos && word.find('/') == std::string::npos;
-    };
+    const auto isStep = [](const std::string& word) { return word.find('=') != std::string::npos && word.find('/') == std::string::npos; };
     const bool steps = isStep(options.inputs[0]);
-    if (!steps && options.inputs.size() > 1)
-        throw usageError("matrix takes the steps of a chain (what=value), or one scene");
-    if (steps && !options.object.empty())
-        throw usageError("--object names an object of a scene, and the operands are steps");
+    if (!steps && options.inputs.size() > 1) throw usageError("matrix takes the steps of a chain (what=value), or one scene");
+    if (steps && !options.object.empty()) throw usageError("--object names an object of a scene, and the operands are steps");
     if (!steps && options.dimensions == 2) throw usageError("--dimensions 2 goes with steps: scenes are in space");
     if (options.dimensions == 2 && options.zReversed) throw usageError("--reverse-z goes with three dimensions");
     const std::vector<Json> reports = steps ? std::vector<Json>{ofSteps(options)} : ofScene(options, options.inputs[0]);

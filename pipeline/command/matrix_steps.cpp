@@ -5,10 +5,10 @@
 #include "pipeline/scene/text.h"
 #include "pipeline/transform/vector.h"
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/core.h>
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <glm/glm.hpp>
 #include <string_view>
 #include <utility>
@@ -31,8 +31,7 @@ public:
             const std::string_view piece = rest.substr(0, rest.find(':'));
             rest.remove_prefix(std::min(rest.size(), piece.size() + 1));
             const size_t equals = piece.find('=');
-            if (equals == std::string_view::npos || equals == 0)
-                refuse(fmt::format("'{}' is not part=value", printable(piece, 60)));
+            if (equals == std::string_view::npos || equals == 0) refuse(fmt::format("'{}' is not part=value", printable(piece, 60)));
             const std::string key(piece.substr(0, equals));
             for (const Part& part : parts_)
                 if (part.key == key) refuse(fmt::format("{} is given twice", printable(key, 40)));
@@ -75,8 +74,7 @@ public:
     }
     void finish() const {
         for (const Part& part : parts_)
-            if (!part.read)
-                refuse(fmt::format("{} does not go with {}", printable(part.key, 40), printable(kind(), 40)));
+            if (!part.read) refuse(fmt::format("{} does not go with {}", printable(part.key, 40), printable(kind(), 40)));
     }
 
 private:
@@ -95,8 +93,7 @@ private:
             if (!word.empty() && word.front() == '+') word.remove_prefix(1);
             double value = 0;
             const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-            if (word.empty() || error != std::errc() || end != word.data() + word.size() ||
-                !(std::abs(value) <= kMaxCoordinate))
+            if (word.empty() || error != std::errc() || end != word.data() + word.size() || !(std::abs(value) <= kMaxCoordinate))
                 refuse(fmt::format("{}: '{}' is not a finite number of at most 2^100", part.key, printable(word, 40)));
             list.push_back(value);
         }
@@ -105,8 +102,7 @@ private:
     std::vector<double> counted(std::string_view key, size_t count) {
         std::vector<double> list = numbers(key);
         if (list.size() != count)
-            refuse(
-                fmt::format("{} has {} {}, not {}", key, list.size(), list.size() == 1 ? "number" : "numbers", count));
+            refuse(fmt::format("{} has {} {}, not {}", key, list.size(), list.size() == 1 ? "number" : "numbers", count));
         return list;
     }
 
@@ -143,8 +139,7 @@ std::vector<Step3> spaceSteps(Word& word) {
     if (kind == "matrix") {
         const std::vector<double> list = word.numbers(kind);
         if (list.size() != 16) word.refuse(fmt::format("matrix has {} numbers, not 16", list.size()));
-        if (list[12] != 0 || list[13] != 0 || list[14] != 0 || list[15] != 1)
-            word.refuse("matrix: the last row is not 0, 0, 0, 1");
+        if (list[12] != 0 || list[13] != 0 || list[14] != 0 || list[15] != 1) word.refuse("matrix: the last row is not 0, 0, 0, 1");
         double rows[16];
         std::copy(list.begin(), list.end(), rows);
         return {matrixStep(fromRows(rows))};

@@ -14,22 +14,22 @@
 #include "pipeline/report/report.h"
 #include "pipeline/scene/text.h"
 
-#include <algorithm>
-#include <cstdint>
-#include <cstdio>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <string>
-#include <utility>
-#include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace plumb {
@@ -49,9 +49,7 @@ Json loadJson(const std::array<double, 3>& load) { return load[0] < 0 ? Json() :
 Json numberJson(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
 // No median of fewer than three times.
-Json timesJson(const Times& t) {
-    return {{"median", numberJson(t.median())}, {"min", t.min()}, {"max", t.max()}, {"n", t.ms.size()}};
-}
+Json timesJson(const Times& t) { return {{"median", numberJson(t.median())}, {"min", t.min()}, {"max", t.max()}, {"n", t.ms.size()}}; }
 
 // Medians; null where there are none.
 Json passesJson(const MeasuredRun& run) {
@@ -72,17 +70,23 @@ const char* toldOf(const Row& row, const Measurement& m) {
 }
 
 // What a reader must know before the figures are believed.
-std::vector<std::string> notesOf(const Measurement& m, const MeasurePlan& plan, const std::array<double, 3>& loadBefore, const std::array<double, 3>& loadAfter) {
+std::vector<std::string> notesOf(const Measurement& m, const MeasurePlan& plan, const std::array<double, 3>& loadBefore,
+                                 const std::array<double, 3>& loadAfter) {
     std::vector<std::string> notes;
     const unsigned cores = std::thread::hardware_concurrency();
     if (const double load = std::max(loadBefore[0], loadAfter[0]); cores > 0 && load > cores)
-        notes.push_back(fmt::format("load {:.2f} exceeds {} cores: others took time from what was measured; absolute times say little, and fewer rows are told apart", load, cores));
+        notes.push_back(
+            fmt::format("load {:.2f} exceeds {} cores: others took time from what was measured; absolute times say little, and fewer rows "
+                        "are told apart",
+                        load, cores));
     if (m.repetitions < kLeastForMedian)
-        notes.push_back(fmt::format("{} round{}: no median, no ratio and no front below {}", m.repetitions, m.repetitions == 1 ? "" : "s", kLeastForMedian));
+        notes.push_back(fmt::format("{} round{}: no median, no ratio and no front below {}", m.repetitions, m.repetitions == 1 ? "" : "s",
+                                    kLeastForMedian));
     else if (const uint32_t least = roundsToTell(m.miss); m.repetitions < least)
         notes.push_back(fmt::format("{} rounds tell no times apart: {} are needed for {} rows", m.repetitions, least, m.comparisons));
     if (!m.limitKept)
-        notes.push_back(fmt::format("--limit {:g}s was not kept: the default picture, which is always drawn, ended after {:.2f} s", plan.limitMs / 1000, m.totalMs / 1000));
+        notes.push_back(fmt::format("--limit {:g}s was not kept: the default picture, which is always drawn, ended after {:.2f} s",
+                                    plan.limitMs / 1000, m.totalMs / 1000));
     return notes;
 }
 
@@ -112,7 +116,8 @@ Json rowJson(const Row& row, const Measurement& m) {
         if (!run.rays.empty()) {
             RenderCounters::RayCounts sum;
             for (const RenderCounters::RayCounts& depth : run.rays)
-                sum.primary += depth.primary, sum.reflected += depth.reflected, sum.refracted += depth.refracted, sum.feelers += depth.feelers;
+                sum.primary += depth.primary, sum.reflected += depth.reflected, sum.refracted += depth.refracted,
+                    sum.feelers += depth.feelers;
             json["rays"] = {{"primary", sum.primary}, {"reflected", sum.reflected}, {"refracted", sum.refracted}, {"feelers", sum.feelers}};
         }
         if (run.alike) json["errorAtItsSamples"] = errorJson(*run.alike, true, run.rounding);
@@ -123,20 +128,21 @@ Json rowJson(const Row& row, const Measurement& m) {
         }
         if (!run.boundWhy.empty()) json["boundWhy"] = run.boundWhy;
         if (run.bound)
-            json["bound"] = {{"max", stated(run.bound->max / 255)},
-                             {"mean", stated(run.bound->mean / 255)},
-                             {"rms", stated(run.bound->rms / 255)},
-                             {"p99", stated(run.bound->p99 / 255)},
-                             {"choice", {{"linear", stated(run.bound->linear)}, {"steps", run.bound->steps}}},
-                             {"kind", "the default picture's error as measured, pixel by pixel, and what the choice may add to it as proved"}};
+            json["bound"] = {
+                {"max", stated(run.bound->max / 255)},
+                {"mean", stated(run.bound->mean / 255)},
+                {"rms", stated(run.bound->rms / 255)},
+                {"p99", stated(run.bound->p99 / 255)},
+                {"choice", {{"linear", stated(run.bound->linear)}, {"steps", run.bound->steps}}},
+                {"kind", "the default picture's error as measured, pixel by pixel, and what the choice may add to it as proved"}};
     }
     json["onFront"] = row.onFront;
     json["onAxisFront"] = row.onAxisFront;
     return json;
 }
 
-Json contextJson(const Renderer& renderer, const Scene& scene, const std::vector<SourceFile>& sources,
-                 const MeasurePlan& plan, const Measurement& m, const std::array<double, 3>& loadBefore, const std::array<double, 3>& loadAfter) {
+Json contextJson(const Renderer& renderer, const Scene& scene, const std::vector<SourceFile>& sources, const MeasurePlan& plan,
+                 const Measurement& m, const std::array<double, 3>& loadBefore, const std::array<double, 3>& loadAfter) {
     const Json host = hostJson(), tool = toolJson();
     Json json;
     json["device"] = renderer.json();
@@ -175,9 +181,8 @@ Json measurementJson(const Measurement& m, Json context, const std::vector<std::
     json["tool"] = toolJson();
     json["context"] = std::move(context);
     json["truth"] = m.truth ? truthJson(*m.truth) : Json();
-    json["baseline"] = {{"choices", wordsOf(m.runs[0].setting)},
-                        {"timeMs", timesJson(m.runs[0].total)},
-                        {"passesMs", passesJson(m.runs[0])}};
+    json["baseline"] = {
+        {"choices", wordsOf(m.runs[0].setting)}, {"timeMs", timesJson(m.runs[0].total)}, {"passesMs", passesJson(m.runs[0])}};
     json["baseline"]["error"] = m.runs[0].error ? errorJson(*m.runs[0].error, false, m.runs[0].rounding) : Json();
     json["rows"] = Json::array();
     for (const Row& row : m.rows) json["rows"].push_back(rowJson(row, m));
@@ -189,8 +194,7 @@ Json measurementJson(const Measurement& m, Json context, const std::vector<std::
                        {"leastRounds", roundsToTell(m.miss)}};
     json["notes"] = notes;
     json["front"] = Json::array();
-    for (const size_t i : m.front)
-        json["front"].push_back({{"axis", m.rows[i].axis->name}, {"choice", m.rows[i].choice->name}});
+    for (const size_t i : m.front) json["front"].push_back({{"axis", m.rows[i].axis->name}, {"choice", m.rows[i].choice->name}});
     json["cut"] = Json::array();
     for (const Row& row : m.cut)
         json["cut"].push_back(
@@ -223,8 +227,8 @@ std::string csvOf(const Measurement& m) {
         const bool ratio = run != nullptr && run->ratio;
         if (run != nullptr) {
             const std::optional<double> median = run->total.median();
-            text += fmt::format("{},{},{},{},{},", cell(median.has_value(), median.value_or(0)), run->total.min(), run->total.max(), run->total.ms.size(),
-                                cell(ratio, ratio ? run->ratio->median : 0));
+            text += fmt::format("{},{},{},{},{},", cell(median.has_value(), median.value_or(0)), run->total.min(), run->total.max(),
+                                run->total.ms.size(), cell(ratio, ratio ? run->ratio->median : 0));
             if (run->error) {
                 const ErrorFigures& e = run->error->picture;
                 text += fmt::format("{},{},{},{},{},{},", e.max / 255, e.x, e.y, e.p99 / 255, e.mean / 255, e.rms / 255);
@@ -232,18 +236,23 @@ std::string csvOf(const Measurement& m) {
                 text += ",,,,,,";
             }
             const bool alike = run->alike.has_value();
-            text += fmt::format("{},{},{},{},{},{},", cell(alike, alike ? run->alike->wrongShare() : 0), cell(alike, alike ? run->alike->picture.rms / 255 : 0),
-                                cell(alike, alike ? run->alike->unrounded.max / 255 : 0), cell(run->rounding.has_value(), run->rounding ? run->rounding->max / 255 : 0),
-                                cell(run->bound && std::isfinite(run->bound->max), run->bound ? run->bound->max / 255 : 0), cell(run->bound && std::isfinite(run->bound->rms), run->bound ? run->bound->rms / 255 : 0));
+            text += fmt::format("{},{},{},{},{},{},", cell(alike, alike ? run->alike->wrongShare() : 0),
+                                cell(alike, alike ? run->alike->picture.rms / 255 : 0),
+                                cell(alike, alike ? run->alike->unrounded.max / 255 : 0),
+                                cell(run->rounding.has_value(), run->rounding ? run->rounding->max / 255 : 0),
+                                cell(run->bound && std::isfinite(run->bound->max), run->bound ? run->bound->max / 255 : 0),
+                                cell(run->bound && std::isfinite(run->bound->rms), run->bound ? run->bound->rms / 255 : 0));
         } else {
             text += ",,,,,,,,,,,,,,,,,";
         }
         const bool bounded = ratio && run->ratio->bounded();
-        text += fmt::format("{:d},{},{},{},{},{:d}\n", row.onFront, row.why.empty() ? "" : quoted(row.why), run != nullptr ? toldOf(row, m) : "",
-                            cell(bounded, bounded ? run->ratio->low : 0), cell(bounded, bounded ? run->ratio->high : 0), row.onAxisFront);
+        text += fmt::format("{:d},{},{},{},{},{:d}\n", row.onFront, row.why.empty() ? "" : quoted(row.why),
+                            run != nullptr ? toldOf(row, m) : "", cell(bounded, bounded ? run->ratio->low : 0),
+                            cell(bounded, bounded ? run->ratio->high : 0), row.onAxisFront);
     }
     for (const Row& row : m.cut)
-        text += fmt::format("{},{},0,1,,,,,,,,,,,,,,,,,,,0,{},,,,0\n", row.axis->name, row.choice->name, quoted("cut by --limit: " + row.why));
+        text +=
+            fmt::format("{},{},0,1,,,,,,,,,,,,,,,,,,,0,{},,,,0\n", row.axis->name, row.choice->name, quoted("cut by --limit: " + row.why));
     return text;
 }
 
@@ -251,14 +260,19 @@ std::string intervalText(const RatioInterval& ratio) {
     return ratio.bounded() ? fmt::format("{:.3f} .. {:.3f}", ratio.low, ratio.high) : std::string("too few rounds");
 }
 
-std::string tableOf(const Measurement& m, const std::string& title, const std::array<double, 3>& load, const std::vector<std::string>& notes) {
+std::string tableOf(const Measurement& m, const std::string& title, const std::array<double, 3>& load,
+                    const std::vector<std::string>& notes) {
     std::string text = fmt::format("{}, {} rounds, load {:.2f}\n", title, m.repetitions, load[0]);
     for (const std::string& note : notes) text += "note: " + note + "\n";
     text += fmt::format("  {:<13} {:<21} {:>9} {:>7} {:>15}  {:<14} {:>8} {:>8} {:>8} {:>10} {:>8} {:>10} {:>9}\n", "axis", "choice",
-                        "median ms", "ratio", "interval", "than default", "own rms", "rms", "p99", "alone rms", "wrong", "bound rms", "rounding");
+                        "median ms", "ratio", "interval", "than default", "own rms", "rms", "p99", "alone rms", "wrong", "bound rms",
+                        "rounding");
     for (const Row& row : m.rows) {
-        text += fmt::format("{} {:<13} {:<21} ", row.onFront ? '*' : row.onAxisFront ? '+' : ' ', row.axis->name,
-                            std::string(row.choice->name) + (row.baseline ? " (default)" : ""));
+        text += fmt::format("{} {:<13} {:<21} ",
+                            row.onFront       ? '*'
+                            : row.onAxisFront ? '+'
+                                              : ' ',
+                            row.axis->name, std::string(row.choice->name) + (row.baseline ? " (default)" : ""));
         if (!row.run) {
             text += fmt::format("absent: {}\n", row.why);
             continue;
@@ -266,26 +280,35 @@ std::string tableOf(const Measurement& m, const std::string& title, const std::a
         const MeasuredRun& run = m.runs[*row.run];
         const std::optional<double> median = run.total.median();
         if (median)
-            text += fmt::format("{:>9.2f} {:>7.3f} {:>15}  {:<14} ", *median, run.ratio->median, row.baseline ? "" : intervalText(*run.ratio), row.baseline ? "" : nameOf(run.told));
+            text += fmt::format("{:>9.2f} {:>7.3f} {:>15}  {:<14} ", *median, run.ratio->median,
+                                row.baseline ? "" : intervalText(*run.ratio), row.baseline ? "" : nameOf(run.told));
         else
             text += fmt::format("{:>49} ", fmt::format("{:.2f} .. {:.2f} ms, no median", run.total.min(), run.total.max()));
-        const auto figure = [](bool known, const char* digits, double value) { return known ? fmt::format(fmt::runtime(digits), value) : std::string("-"); };
+        const auto figure = [](bool known, const char* digits, double value) {
+            return known ? fmt::format(fmt::runtime(digits), value) : std::string("-");
+        };
         if (run.alike)
-            text += fmt::format("{:>8.3f} {:>8} {:>8} {:>10.5f} {:>7.3f}% {:>10} {:>9}\n", run.alike->picture.rms, figure(run.error.has_value(), "{:.3f}", run.error ? run.error->picture.rms : 0),
-                                figure(run.error.has_value(), "{:.3f}", run.error ? run.error->picture.p99 : 0), run.alike->unrounded.rms, 100 * run.alike->wrongShare(),
-                                figure(run.bound && std::isfinite(run.bound->rms), "{:.3f}", run.bound ? run.bound->rms : 0), figure(run.rounding.has_value(), "{:.2g}", run.rounding ? run.rounding->max : 0));
+            text += fmt::format("{:>8.3f} {:>8} {:>8} {:>10.5f} {:>7.3f}% {:>10} {:>9}\n", run.alike->picture.rms,
+                                figure(run.error.has_value(), "{:.3f}", run.error ? run.error->picture.rms : 0),
+                                figure(run.error.has_value(), "{:.3f}", run.error ? run.error->picture.p99 : 0), run.alike->unrounded.rms,
+                                100 * run.alike->wrongShare(),
+                                figure(run.bound && std::isfinite(run.bound->rms), "{:.3f}", run.bound ? run.bound->rms : 0),
+                                figure(run.rounding.has_value(), "{:.2g}", run.rounding ? run.rounding->max : 0));
         else
             text += fmt::format("no error: {}\n", row.why);
     }
     for (const Row& row : m.cut)
         text += fmt::format("  {:<13} {:<21} cut, no time left of --limit: {}\n", row.axis->name, row.choice->name, row.why);
     text += fmt::format(
-        "ratio: median of each round's time over the default's in that round; the intervals hold {:g} % of all tables whole ({:.2f} % a row)\n"
-        "rms, p99: against the truth of {} samples a pixel, in steps of 1/255; own rms: against the truth at the picture's own samples; alone rms: that before rounding to bytes; wrong: pixels of another face; "
+        "ratio: median of each round's time over the default's in that round; the intervals hold {:g} % of all tables whole ({:.2f} % a "
+        "row)\n"
+        "rms, p99: against the truth of {} samples a pixel, in steps of 1/255; own rms: against the truth at the picture's own samples; "
+        "alone rms: that before rounding to bytes; wrong: pixels of another face; "
         "bound rms: what rms is proved not to exceed; rounding: the most that float32 alone costs\n",
         100 * kConfidenceOfTable, 100 * (1 - m.miss), m.truth ? m.truth->samples : 0);
     text += m.repetitions < kLeastForMedian ? fmt::format("no front: {} rounds of {}\n", m.repetitions, kLeastForMedian)
-                                            : "* on the front: nothing is told to be faster and no less accurate, and nothing more accurate is as fast; + on the front of its axis alone\n";
+                                            : "* on the front: nothing is told to be faster and no less accurate, and nothing more "
+                                              "accurate is as fast; + on the front of its axis alone\n";
     return text;
 }
 
@@ -297,8 +320,7 @@ std::vector<uint32_t> displayed(const std::vector<uint32_t>& rgba, Encoding enco
     std::vector<uint32_t> out;
     out.reserve(rgba.size());
     for (const uint32_t pixel : rgba)
-        out.push_back((pixel & 0xff000000u) | codes[pixel >> 16 & 0xff] << 16 | codes[pixel >> 8 & 0xff] << 8 |
-                      codes[pixel & 0xff]);
+        out.push_back((pixel & 0xff000000u) | codes[pixel >> 16 & 0xff] << 16 | codes[pixel >> 8 & 0xff] << 8 | codes[pixel & 0xff]);
     return out;
 }
 
@@ -358,8 +380,7 @@ Exit measureCommand(const Options& options) {
     scene.lights = views[0].lights;
 
     Renderer renderer(options);
-    if (!renderer.choice().advice.empty())
-        say(options, fmt::format("plumb: {}\n{}", renderer.choice().reason, renderer.choice().advice));
+    if (!renderer.choice().advice.empty()) say(options, fmt::format("plumb: {}\n{}", renderer.choice().reason, renderer.choice().advice));
     for (const std::string& fallback : renderer.fallbacks()) tell(fmt::format("plumb: {}", fallback));
     plan.deviceThere = renderer.device() != nullptr;
     plan.base.request = requestOf(options, scene, size);
@@ -392,11 +413,11 @@ Exit measureCommand(const Options& options) {
     progress.clear();
     renderer.checkValidation();
     if (plan.keepPictures && !m.truth)
-        throw Error(Exit::budget, fmt::format("--limit {:g}s leaves no time for the truth, which the report shows beside the pictures", plan.limitMs / 1000));
+        throw Error(Exit::budget, fmt::format("--limit {:g}s leaves no time for the truth, which the report shows beside the pictures",
+                                              plan.limitMs / 1000));
     const std::vector<std::string> notes = notesOf(m, plan, load, loadAfter);
 
-    const std::string title =
-        fmt::format("{} {}x{} on {}", printable(options.inputs[0]), size.x, size.y, renderer.name());
+    const std::string title = fmt::format("{} {}x{} on {}", printable(options.inputs[0]), size.x, size.y, renderer.name());
     const std::string table = tableOf(m, title, load, notes), csv = options.csv ? csvOf(m) : "";
     const bool dataElsewhere = (options.json && options.jsonFile.empty()) || (options.csv && options.csvFile.empty());
     FileBatch files;

@@ -4,15 +4,15 @@
 #include "pipeline/command/version.h"
 #include "pipeline/image/file_batch.h"
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <poll.h>
+#include <unistd.h>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <span>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 namespace plumb {

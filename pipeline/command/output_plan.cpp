@@ -5,10 +5,10 @@
 #include "pipeline/scene/extension.h"
 #include "pipeline/scene/text.h"
 
-#include <cstdint>
-#include <filesystem>
 #include <fmt/core.h>
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
 #include <set>
@@ -18,9 +18,7 @@
 namespace plumb {
 namespace {
 
-std::string extensionOf(const std::string& path) {
-    return path == "-" ? ".png" : lowerExtension(path);
-}
+std::string extensionOf(const std::string& path) { return path == "-" ? ".png" : lowerExtension(path); }
 
 void checkContents(const OutputFile& file, const Options& options) {
     const std::string extension = extensionOf(file.path);
@@ -28,28 +26,22 @@ void checkContents(const OutputFile& file, const Options& options) {
     if (file.inks && extension != ".png")
         throw usageError(fmt::format("--separations: '{}' is refused; inks are grey PNGs", printable(file.path)));
     if (extension == ".png") {
-        if (!colourOnly)
-            throw usageError(
-                fmt::format("--aov: '{}' is a PNG and holds color only; use .exr or .npy", printable(file.path)));
+        if (!colourOnly) throw usageError(fmt::format("--aov: '{}' is a PNG and holds color only; use .exr or .npy", printable(file.path)));
     } else if (extension == ".npy") {
         if (file.aovs.size() != 1)
-            throw usageError(
-                fmt::format("--aov: '{}' holds one plane; use '{{aov}}' in -o, or .exr", printable(file.path)));
+            throw usageError(fmt::format("--aov: '{}' holds one plane; use '{{aov}}' in -o, or .exr", printable(file.path)));
     } else if (extension != ".exr") {
-        throw usageError(fmt::format(
-            "--output: '{}' is refused; accepted: a path that ends in .png, .exr or .npy, or -", printable(file.path)));
+        throw usageError(
+            fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, .exr or .npy, or -", printable(file.path)));
     }
-    if (options.bits != 8 && extension != ".png")
-        throw usageError("--bits is for .png; .exr and .npy hold float32 and uint32");
+    if (options.bits != 8 && extension != ".png") throw usageError("--bits is for .png; .exr and .npy hold float32 and uint32");
 }
 
 // A placeholder that is there exactly when the flag is that makes several pictures of one.
-void checkPlaceholder(const std::string& pattern, const char* name, const char* flag, bool needed,
-                      const char* example) {
+void checkPlaceholder(const std::string& pattern, const char* name, const char* flag, bool needed, const char* example) {
     if (needed && !hasPlaceholder(pattern, name))
         throw usageError(fmt::format("{} makes several pictures: -o needs '{{{}}}', e.g. {}", flag, name, example));
-    if (!needed && hasPlaceholder(pattern, name))
-        throw usageError(fmt::format("--output: '{{{}}}' goes with {}", name, flag));
+    if (!needed && hasPlaceholder(pattern, name)) throw usageError(fmt::format("--output: '{{{}}}' goes with {}", name, flag));
 }
 
 void checkCombinations(const Options& options, const std::vector<Aov>& aovs) {
@@ -82,8 +74,7 @@ OutputPlan outputPlanOf(const Options& options, const std::vector<Viewpoint>& vi
     if (options.interlace && size.y < 2) throw usageError("--interlace: a picture of one line has no even lines");
     const bool numbered = hasPlaceholder(pattern, "n"), named = hasPlaceholder(pattern, "view");
     if (options.turntable > 1 && !numbered)
-        throw usageError(
-            fmt::format("--turntable makes {} pictures: -o needs '{{n}}', e.g. spin_{{n}}.png", options.turntable));
+        throw usageError(fmt::format("--turntable makes {} pictures: -o needs '{{n}}', e.g. spin_{{n}}.png", options.turntable));
     plan.sheet = options.turntable == 0 && views.size() > 1 && !numbered && !named;
     if (plan.sheet && extensionOf(pattern) != ".png")
         throw usageError("several --view make a contact sheet, which is a .png; use '{view}' or '{n}' in -o");
@@ -93,12 +84,10 @@ OutputPlan outputPlanOf(const Options& options, const std::vector<Viewpoint>& vi
     for (const Aov aov : aovs) plan.planes |= planeOf(aov);
     // One file for each of these, of each view and each plane; one "none" where the flag is not given.
     using std::nullopt;
-    const std::vector<std::optional<Eye>> eyes = options.stereo == StereoForm::pair
-                                                     ? std::vector<std::optional<Eye>>{Eye::left, Eye::right}
-                                                     : std::vector<std::optional<Eye>>{nullopt};
-    const std::vector<std::optional<Field>> fields = options.interlace
-                                                         ? std::vector<std::optional<Field>>{Field::odd, Field::even}
-                                                         : std::vector<std::optional<Field>>{nullopt};
+    const std::vector<std::optional<Eye>> eyes = options.stereo == StereoForm::pair ? std::vector<std::optional<Eye>>{Eye::left, Eye::right}
+                                                                                    : std::vector<std::optional<Eye>>{nullopt};
+    const std::vector<std::optional<Field>> fields =
+        options.interlace ? std::vector<std::optional<Field>>{Field::odd, Field::even} : std::vector<std::optional<Field>>{nullopt};
     std::optional<Inks> inks;
     if (!options.separations.empty()) inks = options.separations == "cmy" ? Inks::cmy : Inks::cmyk;
     const size_t inkCount = inks ? namesOf(*inks).size() : 1;
@@ -117,8 +106,7 @@ OutputPlan outputPlanOf(const Options& options, const std::vector<Viewpoint>& vi
                         if (eye) values.eye = nameOf(*eye);
                         if (field) values.field = *field == Field::odd ? "odd" : "even";
                         if (inks) values.ink = namesOf(*inks)[ink];
-                        files.push_back({filledIn(pattern, values), byAov ? std::vector<Aov>{aovs[a]} : aovs, eye,
-                                         field, inks, ink});
+                        files.push_back({filledIn(pattern, values), byAov ? std::vector<Aov>{aovs[a]} : aovs, eye, field, inks, ink});
                     }
         for (const OutputFile& file : files) {
             checkContents(file, options);

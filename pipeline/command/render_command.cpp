@@ -15,14 +15,14 @@
 #include "pipeline/render/vertex_error.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <future>
 #include <glm/glm.hpp>
 #include <memory>
@@ -43,7 +43,8 @@ std::string raysInWords(const RayChoices& rays) {
     std::string words;
     const auto add = [&](const std::string& word) { words += (words.empty() ? "" : " ") + word; };
     if (rays.sampling != RayChoices::Sampling::grid) add(fmt::format("sampling={}", nameOf(rays.sampling)));
-    for (const auto& [name, amount] : {std::pair("reflect", rays.jitterReflect), std::pair("refract", rays.jitterRefract), std::pair("shadow", rays.jitterShadow)})
+    for (const auto& [name, amount] :
+         {std::pair("reflect", rays.jitterReflect), std::pair("refract", rays.jitterRefract), std::pair("shadow", rays.jitterShadow)})
         if (amount > 0) add(fmt::format("jitter.{}={:g}", name, amount));
     if (rays.seed != 0) add(fmt::format("seed={}", rays.seed));
     if (rays.cutLevels) add("levels=cut");
@@ -81,7 +82,8 @@ std::string explained(const Plan& plan) {
     std::string text = fmt::format("passes: {}\n", plan.steps.empty() ? "none" : fmt::format("{}", fmt::join(plan.names(), ", ")));
     for (const PlanStep& step : plan.steps) {
         const std::string where = step.fusedIn.empty() ? nameOf(step.side) : "in " + step.fusedIn;
-        text += fmt::format("  {:<10} {:<10} {}{}\n", step.name, where, step.why, step.idle.empty() ? "" : fmt::format(" (nothing to do: {})", step.idle));
+        text += fmt::format("  {:<10} {:<10} {}{}\n", step.name, where, step.why,
+                            step.idle.empty() ? "" : fmt::format(" (nothing to do: {})", step.idle));
     }
     for (const Plan::Drop& drop : plan.dropped) text += fmt::format("dropped: {}: {}\n", drop.what, drop.why);
     for (const std::string& choice : plan.choices) text += fmt::format("choice: {}\n", choice);
@@ -89,8 +91,8 @@ std::string explained(const Plan& plan) {
 }
 
 // `eye`: of a stereo pair; else every file is of this picture.
-void writePicture(FileBatch& batch, const std::vector<OutputFile>& files, const Frame& frame, const OutputPlan& plan, const Options& options, const RenderRequest& request,
-                  const Metadata& metadata, std::optional<Eye> eye = std::nullopt) {
+void writePicture(FileBatch& batch, const std::vector<OutputFile>& files, const Frame& frame, const OutputPlan& plan,
+                  const Options& options, const RenderRequest& request, const Metadata& metadata, std::optional<Eye> eye = std::nullopt) {
     for (const OutputFile& file : files) {
         if (file.eye != eye) continue;
         WriteOptions write;
@@ -103,7 +105,8 @@ void writePicture(FileBatch& batch, const std::vector<OutputFile>& files, const 
         for (const Aov aov : file.aovs) planes |= planeOf(aov);
         Metadata own = metadata;
         if (file.eye) own["eye"] = nameOf(*file.eye);
-        if (file.field) own["field"] = *file.field == Field::odd ? "odd: lines 1, 3, 5, ... of the picture" : "even: lines 2, 4, 6, ... of the picture";
+        if (file.field)
+            own["field"] = *file.field == Field::odd ? "odd: lines 1, 3, 5, ... of the picture" : "even: lines 2, 4, 6, ... of the picture";
         if (file.inks) own["ink"] = std::string(namesOf(*file.inks)[file.ink]) + ": 255 is full ink";
         if (!file.field && !file.inks) {
             batch.addFrame(file.path, frame, planes, write, own);
@@ -132,11 +135,12 @@ std::string namesOf(const std::vector<OutputFile>& files) {
 
 void refuseFaults(const FrameFacts& facts) {
     if (facts.nan + facts.inf == 0) return;
-    throw renderError(fmt::format("the picture has {} NaN and {} infinite values; first: {}; nothing is written", facts.nan, facts.inf, facts.firstFault));
+    throw renderError(fmt::format("the picture has {} NaN and {} infinite values; first: {}; nothing is written", facts.nan, facts.inf,
+                                  facts.firstFault));
 }
 
-Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector<SourceFile>& sources, const Viewpoint& view, const RenderRequest& request,
-                 const RenderResult& result, const FrameFacts& facts, bool blank) {
+Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector<SourceFile>& sources, const Viewpoint& view,
+                 const RenderRequest& request, const RenderResult& result, const FrameFacts& facts, bool blank) {
     Json json;
     json["tool"] = toolJson();
     json["host"] = hostJson();
@@ -145,7 +149,9 @@ Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector
     json["scene"] = sceneJson(scene, sources);
     json["view"] = view.name;
     json["camera"] = cameraJson(view.camera);
-    json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}, {"transparent", request.transparent}, {"viewer", request.distantViewer ? "distant" : "local"}};
+    json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)},
+                       {"samples", request.samples},         {"encoding", nameOf(request.encoding)},
+                       {"transparent", request.transparent}, {"viewer", request.distantViewer ? "distant" : "local"}};
     if (request.shading == Shading::ray) json["options"]["rays"] = raysInWords(request.rays);
     json["plan"] = planJson(result.plan);
     json["time_ms"] = Json::object();  // filled when the picture is written
@@ -167,7 +173,8 @@ Exit renderCommand(const Options& options) {
 
     // Opening a device costs more than loading a small scene, and neither needs the other. A refused input is told first.
     const bool draws = !options.output.empty();
-    auto opening = std::async(draws ? std::launch::async : std::launch::deferred, [&options] { return std::make_unique<Renderer>(options); });
+    auto opening =
+        std::async(draws ? std::launch::async : std::launch::deferred, [&options] { return std::make_unique<Renderer>(options); });
     Progress progress(options.progress, options.quiet);
     const LoadOptions load = loadOptionsOf(options, &progress);
     Scene scene = loadScene({options.inputs.begin(), options.inputs.end()}, load);
@@ -183,9 +190,12 @@ Exit renderCommand(const Options& options) {
 
     RenderRequest request = requestOf(options, scene, size);
     if (const std::string asked = leftToRays(scene, request); !asked.empty()) {
-        if (options.strict) throw inputError(printable(scene.path), fmt::format("{}; only --shading ray draws that, and --strict refuses to leave it out", asked));
+        if (options.strict)
+            throw inputError(printable(scene.path),
+                             fmt::format("{}; only --shading ray draws that, and --strict refuses to leave it out", asked));
         // Spheres and planes that nothing would draw are refused, in a line of their own.
-        if (!onlyRaysDraw(scene) || drawsSpheres(scene, request)) say(options, fmt::format("plumb: not drawn: reflection and refraction: {}; only --shading ray traces them", asked));
+        if (!onlyRaysDraw(scene) || drawsSpheres(scene, request))
+            say(options, fmt::format("plumb: not drawn: reflection and refraction: {}; only --shading ray traces them", asked));
     }
     if (options.stereo != StereoForm::none && drawsSpheres(scene, request))
         throw usageError("--stereo: --fill notes draws spheres in parallel projection, which shows both eyes the same");
@@ -205,19 +215,23 @@ Exit renderCommand(const Options& options) {
         tellMoved(sceneReport);
         const Plan plan = planRender(scene, request, options.device == "twin" ? RunsOn::twin : RunsOn::device);
         if (!options.json || !options.jsonFile.empty()) printData(explained(plan));
-        writeJson(options, {{{"tool", toolJson()}, {"scene", sceneReport}, {"camera", cameraJson(views[0].camera)}, {"plan", planJson(plan)}}});
+        writeJson(options,
+                  {{{"tool", toolJson()}, {"scene", sceneReport}, {"camera", cameraJson(views[0].camera)}, {"plan", planJson(plan)}}});
         return Exit::done;
     }
     const OutputPlan plan = outputPlanOf(options, views, size);
     request.planes = plan.planes;
     if (options.withError) {
-        if (options.stereo != StereoForm::none) throw usageError("--with-error: the truth is that of one eye; measure each by its own --eye");
-        if (request.shading == Shading::wire) throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
+        if (options.stereo != StereoForm::none)
+            throw usageError("--with-error: the truth is that of one eye; measure each by its own --eye");
+        if (request.shading == Shading::wire)
+            throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
         request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;  // which change no byte of the picture
     }
 
     const std::unique_ptr<Renderer> renderer = opening.get();
-    if (!options.quiet && !renderer->choice().advice.empty()) say(options, fmt::format("plumb: {}\n{}", renderer->choice().reason, renderer->choice().advice));
+    if (!options.quiet && !renderer->choice().advice.empty())
+        say(options, fmt::format("plumb: {}\n{}", renderer->choice().reason, renderer->choice().advice));
     if (options.verbose != 0) say(options, fmt::format("device: {}", renderer->choice().reason));
     size_t told = 0;
     const auto tellFallbacks = [&] {
@@ -273,7 +287,8 @@ Exit renderCommand(const Options& options) {
         const bool refused = blank && options.failBlank;
         if (refused) {
             verdict = Exit::blank;
-            tell(fmt::format("plumb: the picture is blank ({} of {} pixels covered, {} colours); nothing is written", facts.covered, facts.pixels, facts.distinctColours));
+            tell(fmt::format("plumb: the picture is blank ({} of {} pixels covered, {} colours); nothing is written", facts.covered,
+                             facts.pixels, facts.distinctColours));
         }
         if (options.explain && i == 0) {
             const std::string text = explained(result.plan);
@@ -307,7 +322,8 @@ Exit renderCommand(const Options& options) {
             cells.push_back(std::move(result.frame));
         } else if (!refused) {
             const Metadata metadata = metadataOf(sources, request, views[i], stereo);
-            writePicture(batch, plan.files[i], result.frame, plan, options, request, metadata, secondEye ? std::optional(Eye::left) : std::nullopt);
+            writePicture(batch, plan.files[i], result.frame, plan, options, request, metadata,
+                         secondEye ? std::optional(Eye::left) : std::nullopt);
             if (secondEye) writePicture(batch, plan.files[i], secondEye->frame, plan, options, request, metadata, Eye::right);
         }
         const double writeMs = millisecondsSince(writeStart);
@@ -330,10 +346,12 @@ Exit renderCommand(const Options& options) {
         }
         const std::string where = refused ? "nothing written" : plan.sheet ? printable(views[i].name) : namesOf(plan.files[i]);
         const std::string form = stereo.form == StereoForm::none ? "" : fmt::format(" {}", nameOf(stereo.form));
-        lines.push_back(fmt::format("{}: {}x{} {}{}{}, {}, {:.1f} ms on {}", where, drawnSize.x, drawnSize.y, nameOf(request.shading), form, options.interlace ? " in two fields" : "",
-                                 contentOf(scene, result.counters), result.totalMs, renderer->name()));
+        lines.push_back(fmt::format("{}: {}x{} {}{}{}, {}, {:.1f} ms on {}", where, drawnSize.x, drawnSize.y, nameOf(request.shading), form,
+                                    options.interlace ? " in two fields" : "", contentOf(scene, result.counters), result.totalMs,
+                                    renderer->name()));
         if (options.verbose != 0)
-            for (const PassTime& time : result.times) lines.push_back(fmt::format("  {:<12} {:9.3f} ms  {} dispatches", time.pass, time.ms, time.dispatches));
+            for (const PassTime& time : result.times)
+                lines.push_back(fmt::format("  {:<12} {:9.3f} ms  {} dispatches", time.pass, time.ms, time.dispatches));
         if (i + 1 == views.size() || !batch.due()) continue;
         if (reportOnOutput) expectReader();
         batch.commit();

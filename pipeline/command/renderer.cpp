@@ -3,8 +3,8 @@
 
 #include "pipeline/command/interrupt.h"
 
-#include <chrono>
 #include <fmt/core.h>
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -66,7 +66,8 @@ std::string Renderer::name() const { return device_ ? choice_.info.name : "CPU t
 void Renderer::checkValidation() const {
     if (!device_ || !device_->validationActive()) return;
     const std::vector<std::string> messages = device_->validationMessages();
-    if (!messages.empty()) throw renderError(fmt::format("the validation layers complain {} times; first: {}", messages.size(), messages.front()));
+    if (!messages.empty())
+        throw renderError(fmt::format("the validation layers complain {} times; first: {}", messages.size(), messages.front()));
 }
 
 Json Renderer::json() const {

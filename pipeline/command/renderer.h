@@ -28,8 +28,8 @@ public:
     const std::vector<std::string>& fallbacks() const { return fallbacks_; }
     double openMs() const { return openMs_; }
     uint64_t devicePeakBytes() const { return device_ ? device_->memoryPeakBytes() : 0; }
-    std::string name() const;                                    // of what draws now
-    Json json() const;                                           // "device" of a report
+    std::string name() const;  // of what draws now
+    Json json() const;         // "device" of a report
 
     // Throws Error(failed) when validation was on (PLUMB_VALIDATION=1) and complained.
     void checkValidation() const;

@@ -6,15 +6,15 @@
 #include "pipeline/scene/input.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
+#include <sys/resource.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fmt/core.h>
 #include <fstream>
 #include <glm/glm.hpp>
 #include <span>
 #include <string>
-#include <sys/resource.h>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -46,7 +46,8 @@ uint64_t distinctColours(const std::vector<uint32_t>& rgba) {
     return count;
 }
 
-void countFaults(FrameFacts& facts, const Frame& frame, const char* plane, const std::vector<float>& values, bool infinityMeansNothingDrawn) {
+void countFaults(FrameFacts& facts, const Frame& frame, const char* plane, const std::vector<float>& values,
+                 bool infinityMeansNothingDrawn) {
     if (values.empty()) return;
     const size_t channels = values.size() / (size_t(frame.width) * frame.height);
     for (size_t i = 0; i < values.size(); ++i) {
@@ -68,8 +69,10 @@ Json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 std::string nothingSeen(const RenderCounters& counters) {
     const uint64_t faces = counters.polygons != 0 ? counters.polygons : counters.triangles;
     const char* why = "";
-    if (counters.objects != 0 && counters.objectsDrawn == 0) why = ": every object is outside the view";
-    else if (faces != 0 && counters.culledBackFace == faces) why = ": every polygon faces away from the viewer; --cull off draws them";
+    if (counters.objects != 0 && counters.objectsDrawn == 0)
+        why = ": every object is outside the view";
+    else if (faces != 0 && counters.culledBackFace == faces)
+        why = ": every polygon faces away from the viewer; --cull off draws them";
     return fmt::format("plumb: warning: nothing is seen{}", why);
 }
 
@@ -95,7 +98,9 @@ FrameFacts factsOf(const Frame& frame, bool countColours) {
     return facts;
 }
 
-bool isBlank(const FrameFacts& facts, double leastShare) { return facts.covered == 0 || facts.coveredShare() < leastShare || facts.distinctColours <= 1; }
+bool isBlank(const FrameFacts& facts, double leastShare) {
+    return facts.covered == 0 || facts.coveredShare() < leastShare || facts.distinctColours <= 1;
+}
 
 Json hostJson() {
     std::string vendor, model;
@@ -143,21 +148,21 @@ Json planJson(const Plan& plan) {
 
 Json countersJson(const RenderCounters& c) {
     Json json = {{"objects", c.objects},
-            {"objectsDrawn", c.objectsDrawn},
-            {"vertices", c.vertices},
-            {"triangles", c.triangles},
-            {"culledBackFace", c.culledBackFace},
-            {"culledZeroArea", c.culledZeroArea},
-            {"culledOutside", c.culledOutside},
-            {"clipped", c.clipped},
-            {"drawnTriangles", c.drawnTriangles},
-            {"illuminations", c.illuminations},
-            {"polygons", c.polygons},
-            {"normals", c.normals},
-            {"edges", c.edges},
-            {"chunks", c.chunks},
-            {"bands", c.bands},
-            {"binEntries", c.binEntries}};
+                 {"objectsDrawn", c.objectsDrawn},
+                 {"vertices", c.vertices},
+                 {"triangles", c.triangles},
+                 {"culledBackFace", c.culledBackFace},
+                 {"culledZeroArea", c.culledZeroArea},
+                 {"culledOutside", c.culledOutside},
+                 {"clipped", c.clipped},
+                 {"drawnTriangles", c.drawnTriangles},
+                 {"illuminations", c.illuminations},
+                 {"polygons", c.polygons},
+                 {"normals", c.normals},
+                 {"edges", c.edges},
+                 {"chunks", c.chunks},
+                 {"bands", c.bands},
+                 {"binEntries", c.binEntries}};
     if (c.rays.empty()) return json;
     Json& rays = json["rays"] = Json::array();
     for (const RenderCounters::RayCounts& r : c.rays)
@@ -168,14 +173,10 @@ Json countersJson(const RenderCounters& c) {
 }
 
 Json cameraJson(const Camera& camera) {
-    return {{"eye", vectorJson(camera.eye)},
-            {"right", vectorJson(camera.right)},
-            {"up", vectorJson(camera.up)},
-            {"forward", vectorJson(camera.forward)},
-            {"fovYDegrees", camera.fovYDegrees},
-            {"focalPixels", camera.focalPixels},
-            {"focusDistance", camera.focusDistance},
-            {"near", nearOf(camera)}};
+    return {{"eye", vectorJson(camera.eye)},         {"right", vectorJson(camera.right)},
+            {"up", vectorJson(camera.up)},           {"forward", vectorJson(camera.forward)},
+            {"fovYDegrees", camera.fovYDegrees},     {"focalPixels", camera.focalPixels},
+            {"focusDistance", camera.focusDistance}, {"near", nearOf(camera)}};
 }
 
 Json imageJson(const Frame& frame, const FrameFacts& facts, bool blank) {

@@ -19,7 +19,7 @@ struct SourceFile {
 // What a picture's pixels say about it.
 struct FrameFacts {
     uint64_t pixels = 0, covered = 0, distinctColours = 0, nan = 0, inf = 0;
-    std::string firstFault;        // of a NaN or infinity: plane, pixel, value
+    std::string firstFault;  // of a NaN or infinity: plane, pixel, value
     double coveredShare() const { return pixels == 0 ? 0 : double(covered) / double(pixels); }
 };
 

@@ -4,10 +4,10 @@
 #include "pipeline/command/interrupt.h"
 #include "pipeline/measure/axes.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -50,18 +50,22 @@ Value stated(const std::optional<Value>& flag, const std::optional<Value>& scene
 }
 
 void rayChoices(const Options& options, const Scene& scene, RenderRequest& request) {
-    const std::pair<const char*, bool> flags[] = {{"--sampling", options.sampling.has_value()},
-                                                  {"--jitter", options.jitterReflect || options.jitterRefract || options.jitterShadow},
-                                                  {"--seed", options.seed && options.command != kMeasure},  // there it turns the order of rounds as well
-                                                  {"--levels", options.cutLevels.has_value()}};
+    const std::pair<const char*, bool> flags[] = {
+        {"--sampling", options.sampling.has_value()},
+        {"--jitter", options.jitterReflect || options.jitterRefract || options.jitterShadow},
+        {"--seed", options.seed && options.command != kMeasure},  // there it turns the order of rounds as well
+        {"--levels", options.cutLevels.has_value()}};
     for (const auto& [flag, given] : flags)
         if (given && request.shading != Shading::ray) throw usageError(fmt::format("{} goes with --shading ray", flag));
     if (request.shading != Shading::ray) return;
     RayChoices& rays = request.rays;
     RenderRequest::StatedBy& by = request.statedBy;
     rays.sampling = stated(options.sampling, scene.sampling, Sampling::grid, "--sampling", by.sampling);
-    if (!options.sampling && scene.sampling && options.samples != 1 && (rays.sampling == Sampling::corners || rays.sampling == Sampling::adaptive))
-        throw usageError(fmt::format("--samples: the scene's sampling = \"{}\" has its own number of samples; leave --samples out, or state --sampling", nameOf(rays.sampling)));
+    if (!options.sampling && scene.sampling && options.samples != 1 &&
+        (rays.sampling == Sampling::corners || rays.sampling == Sampling::adaptive))
+        throw usageError(
+            fmt::format("--samples: the scene's sampling = \"{}\" has its own number of samples; leave --samples out, or state --sampling",
+                        nameOf(rays.sampling)));
     // Each noise by itself: --jitter reflect=0 leaves the scene's others.
     std::string first, second, third;
     rays.jitterReflect = float(stated(options.jitterReflect, scene.jitterReflect, 0.0, "--jitter", first));
@@ -102,7 +106,8 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     chooseShading(options, scene, request);
     request.wire = options.wire.value_or(scene.wire.value_or(WireView::seeThrough));
     request.wirePerPolygon = options.wirePerPolygon.value_or(scene.wirePerPolygon.value_or(false));
-    if (request.shading != Shading::wire && (options.wire || options.wirePerPolygon)) throw usageError("--wire and --edges go with --shading wire");
+    if (request.shading != Shading::wire && (options.wire || options.wirePerPolygon))
+        throw usageError("--wire and --edges go with --shading wire");
     request.distantViewer = options.distantViewer.value_or(scene.distantViewer.value_or(false));
     if (request.shading == Shading::ray && request.distantViewer)
         throw usageError("--viewer distant is a simplification of the raster shadings; a ray comes from the eye that it is traced from");
@@ -111,18 +116,21 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     if (request.shading != Shading::ray && options.maxDepth) throw usageError("--max-depth goes with --shading ray");
     if (request.shading != Shading::ray && options.minWeight) throw usageError("--min-weight goes with --shading ray");
     rayChoices(options, scene, request);
-    if (request.shading == Shading::ray && request.fill == Fill::notes) throw usageError("--fill notes is a fill of the raster shadings; --shading ray has none");
+    if (request.shading == Shading::ray && request.fill == Fill::notes)
+        throw usageError("--fill notes is a fill of the raster shadings; --shading ray has none");
     request.encoding = options.encoding.value_or(scene.encoding.value_or(Encoding::srgb));
     request.samples = options.samples;
     request.background = scene.background.value_or(glm::vec3(0));
     if (options.background) {
         request.transparent = options.background->transparent;
-        for (int c = 0; c < 3; ++c) request.background[c] = request.transparent ? 0 : linearFromByte(options.background->rgb[size_t(c)], request.encoding);
+        for (int c = 0; c < 3; ++c)
+            request.background[c] = request.transparent ? 0 : linearFromByte(options.background->rgb[size_t(c)], request.encoding);
     }
     Setting setting{request, false};
     for (const auto& [axis, choice] : options.trade) apply(setting, axis, choice);
     request.trade = setting.request.trade;
-    if (request.shading == Shading::ray && request.trade != Trade{}) throw usageError("--trade is about the raster shadings; --shading ray has none of these choices");
+    if (request.shading == Shading::ray && request.trade != Trade{})
+        throw usageError("--trade is about the raster shadings; --shading ray has none of these choices");
     if (request.fill == Fill::notes) {
         Trade other = request.trade;
         other.specular = Trade().specular;

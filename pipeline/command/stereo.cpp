@@ -17,8 +17,7 @@ Stereo::Stereo(const Options& options, const Camera& camera, glm::uvec2 size) : 
     if (form == StereoForm::none) return;
     constexpr double kUsualShare = 1.0 / 30;  // of the distance looked at: comfortable for most scenes
     separation = options.eyeSeparation.value_or(camera.focusDistance * kUsualShare);
-    const double focal = camera.focalPixels > 0 ? camera.focalPixels
-                                                : double(size.y) / 2 / std::tan(glm::radians(camera.fovYDegrees) / 2);
+    const double focal = camera.focalPixels > 0 ? camera.focalPixels : double(size.y) / 2 / std::tan(glm::radians(camera.fovYDegrees) / 2);
     const double pixels = focal * separation / 2 / camera.focusDistance;
     if (!(pixels <= double(size.x) / 2))
         throw usageError(
@@ -31,8 +30,8 @@ Json Stereo::json() const { return {{"form", nameOf(form)}, {"eyeSeparation", se
 
 const char* nameOf(Eye eye) { return eye == Eye::left ? "left" : "right"; }
 
-RenderResult renderEye(Renderer& renderer, Scene& scene, const Camera& camera, const RenderRequest& request,
-                       const Stereo& stereo, Eye eye) {
+RenderResult renderEye(Renderer& renderer, Scene& scene, const Camera& camera, const RenderRequest& request, const Stereo& stereo,
+                       Eye eye) {
     RenderRequest wide = request;
     wide.width += 2 * stereo.shift;
     wide.planes |= kPlaneObject;
@@ -47,20 +46,17 @@ RenderResult renderEye(Renderer& renderer, Scene& scene, const Camera& camera, c
     return result;
 }
 
-RenderResult renderBothEyes(Renderer& renderer, Scene& scene, const Camera& camera, const RenderRequest& request,
-                            const Stereo& stereo) {
+RenderResult renderBothEyes(Renderer& renderer, Scene& scene, const Camera& camera, const RenderRequest& request, const Stereo& stereo) {
     RenderResult both = renderEye(renderer, scene, camera, request, stereo, Eye::left);
     const RenderResult right = renderEye(renderer, scene, camera, request, stereo, Eye::right);
     if (stereo.form == StereoForm::anaglyph) {
         both.frame = anaglyphOf(both.frame, right.frame);
     } else {
         const std::array<Frame, 2> eyes = {both.frame, right.frame};
-        both.frame = contactSheet(eyes, 2, backgroundPixel(request),
-                                  {request.background.r, request.background.g, request.background.b});
+        both.frame = contactSheet(eyes, 2, backgroundPixel(request), {request.background.r, request.background.g, request.background.b});
     }
     for (const PassTime& time : right.times) {
-        const auto same =
-            std::find_if(both.times.begin(), both.times.end(), [&](const PassTime& t) { return t.pass == time.pass; });
+        const auto same = std::find_if(both.times.begin(), both.times.end(), [&](const PassTime& t) { return t.pass == time.pass; });
         if (same == both.times.end()) {
             both.times.push_back(time);
         } else {

@@ -10,12 +10,12 @@
 #include "pipeline/image/image.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <string>
 #include <utility>
@@ -46,7 +46,8 @@ Frame differenceOf(const Frame& a, const Frame& b) {
 }
 
 // -o FOLDER: FOLDER/twin.png; -o FOLDER/NAME.png: FOLDER/NAME.twin.png. With several pictures, each has its own number.
-std::vector<std::string> writeEvidence(const Options& options, FileBatch& files, const VerifyReport& report, size_t number, size_t count, bool transparent) {
+std::vector<std::string> writeEvidence(const Options& options, FileBatch& files, const VerifyReport& report, size_t number, size_t count,
+                                       bool transparent) {
     std::vector<std::string> written;
     if (options.output.empty()) return written;
     const fs::path output = options.output;
@@ -75,10 +76,12 @@ std::string textOf(const std::string& title, const VerifyReport& report, const s
     for (const VerifyPlane& plane : report.planes) {
         const bool equal = plane.differing == 0 && plane.twinSha256 == plane.deviceSha256;
         text += fmt::format("  plane {:<12} {:<7} {}", plane.name, equal ? "equal" : "differs", plane.twinSha256);
-        text += equal ? std::string("\n") : fmt::format(" twin\n{:28}{} device, {} elements differ{}\n", "", plane.deviceSha256, plane.differing,
-                                                           report.bounded ? fmt::format(", {} beyond the bound", plane.beyond) : "");
+        text += equal ? std::string("\n")
+                      : fmt::format(" twin\n{:28}{} device, {} elements differ{}\n", "", plane.deviceSha256, plane.differing,
+                                    report.bounded ? fmt::format(", {} beyond the bound", plane.beyond) : "");
     }
-    for (const Mismatch& m : report.mismatches) text += fmt::format("  {}{}: {}\n", m.pass, m.chain ? " (whole chain)" : " (on the twin's input)", m.what);
+    for (const Mismatch& m : report.mismatches)
+        text += fmt::format("  {}{}: {}\n", m.pass, m.chain ? " (whole chain)" : " (on the twin's input)", m.what);
     for (const std::string& path : written) text += fmt::format("  wrote {}\n", printable(path));
     return text;
 }
@@ -86,7 +89,10 @@ std::string textOf(const std::string& title, const VerifyReport& report, const s
 Json jsonOf(const VerifyReport& report, const std::vector<std::string>& written) {
     Json json;
     json["equal"] = report.equal;
-    json["bound"] = report.bounded ? Json({{"linear", {report.boundLinear.x, report.boundLinear.y, report.boundLinear.z}}, {"steps", report.boundSteps}}) : Json();
+    json["bound"] =
+        report.bounded
+            ? Json({{"linear", {report.boundLinear.x, report.boundLinear.y, report.boundLinear.z}}, {"steps", report.boundSteps}})
+            : Json();
     json["passes"] = Json::array();
     for (const auto& [pass, equal] : report.passes) json["passes"].push_back({{"pass", pass}, {"equal", equal}});
     json["covered_pixels"] = report.twin.frame.coveredPixels;
@@ -156,17 +162,22 @@ Exit verifyCommand(const Options& options) {
             scene.lights = views[v].lights;
             const size_t item = i * views.size() + v, count = options.inputs.size() * views.size();
             const double viewCount = double(views.size()), left = begin + share - drawn;
-            progress.begin(fmt::format("verify {}/{}", item + 1, count), drawn + left * double(v) / viewCount, drawn + left * double(v + 1) / viewCount);
+            progress.begin(fmt::format("verify {}/{}", item + 1, count), drawn + left * double(v) / viewCount,
+                           drawn + left * double(v + 1) / viewCount);
             const VerifyReport report = verifyRender(*renderer.device(), scene, request);
             stopIfInterrupted();
             progress.update(1);
             progress.clear();
             renderer.checkValidation();
             if (!report.equal) verdict = Exit::overGate;
-            if (report.twin.frame.coveredPixels == 0 && report.device.frame.coveredPixels == 0) say(options, nothingSeen(report.twin.counters));
-            const std::vector<std::string> written =
-                report.equal ? std::vector<std::string>() : writeEvidence(options, files, report, i * views.size() + v, options.inputs.size() * views.size(), request.transparent);
-            const std::string title = fmt::format("{}{}{} {}x{} {}", printable(one.inputs[0]), views[v].name.empty() ? "" : " ", views[v].name, size.x, size.y, nameOf(request.shading));
+            if (report.twin.frame.coveredPixels == 0 && report.device.frame.coveredPixels == 0)
+                say(options, nothingSeen(report.twin.counters));
+            const std::vector<std::string> written = report.equal
+                                                         ? std::vector<std::string>()
+                                                         : writeEvidence(options, files, report, i * views.size() + v,
+                                                                         options.inputs.size() * views.size(), request.transparent);
+            const std::string title = fmt::format("{}{}{} {}x{} {}", printable(one.inputs[0]), views[v].name.empty() ? "" : " ",
+                                                  views[v].name, size.x, size.y, nameOf(request.shading));
             const std::string text = textOf(title, report, written);
             if (!reportOnOutput) {
                 files.place();
@@ -188,10 +199,15 @@ Exit verifyCommand(const Options& options) {
             json["scene"] = sceneJson(scene, sources);
             json["view"] = views[v].name;
             json["size"] = {size.x, size.y};
-            json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)}, {"samples", request.samples}, {"encoding", nameOf(request.encoding)}};
+            json["options"] = {{"shading", nameOf(request.shading)},
+                               {"fill", nameOf(request.fill)},
+                               {"samples", request.samples},
+                               {"encoding", nameOf(request.encoding)}};
             json["verify"] = jsonOf(report, written);
             json["plan"] = planJson(report.device.plan);
-            json["time_ms"] = {{"twin", report.twin.totalMs}, {"device", report.device.totalMs}, {"total", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count()}};
+            json["time_ms"] = {{"twin", report.twin.totalMs},
+                               {"device", report.device.totalMs},
+                               {"total", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count()}};
             json["counters"] = countersJson(report.device.counters);
             json["determinism"] = determinismOf(request);
             json["memory"] = memoryJson(renderer);

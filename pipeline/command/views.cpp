@@ -5,9 +5,9 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <charconv>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <string>
 #include <vector>
@@ -101,7 +101,9 @@ std::string filledIn(const std::string& pattern, const PlaceholderValues& values
         if (close == pattern.npos) return out + pattern.substr(open);
         const std::string name = pattern.substr(open + 1, close - open - 1);
         uint32_t digits = values.digits;
-        const bool sized = name.starts_with("n:") && std::from_chars(name.data() + 2, name.data() + name.size(), digits).ptr == name.data() + name.size() && digits <= 20;
+        const bool sized = name.starts_with("n:") &&
+                           std::from_chars(name.data() + 2, name.data() + name.size(), digits).ptr == name.data() + name.size() &&
+                           digits <= 20;
         if (name == "n" || sized)
             out += fmt::format("{:0{}}", values.number, digits);
         else if (name == "view")
@@ -115,7 +117,9 @@ std::string filledIn(const std::string& pattern, const PlaceholderValues& values
         else if (name == "ink")
             out += values.ink;
         else
-            throw usageError(fmt::format("--output: '{{{}}}' is not known; placeholders: {{n}}, {{n:4}}, {{view}}, {{aov}}, {{eye}}, {{field}}, {{ink}}", printable(name)));
+            throw usageError(
+                fmt::format("--output: '{{{}}}' is not known; placeholders: {{n}}, {{n:4}}, {{view}}, {{aov}}, {{eye}}, {{field}}, {{ink}}",
+                            printable(name)));
         at = close + 1;
     }
     return out;
@@ -123,13 +127,20 @@ std::string filledIn(const std::string& pattern, const PlaceholderValues& values
 
 uint32_t planeOf(Aov aov) {
     switch (aov) {
-        case Aov::colour: return kPlaneColour;
-        case Aov::linear: return kPlaneLinear;
-        case Aov::depth: return kPlaneDepth;
-        case Aov::distance: return kPlaneDistance;
-        case Aov::normal: return kPlaneNormal;
-        case Aov::objectId: return kPlaneObject;
-        case Aov::primitiveId: return kPlanePrimitive;
+        case Aov::colour:
+            return kPlaneColour;
+        case Aov::linear:
+            return kPlaneLinear;
+        case Aov::depth:
+            return kPlaneDepth;
+        case Aov::distance:
+            return kPlaneDistance;
+        case Aov::normal:
+            return kPlaneNormal;
+        case Aov::objectId:
+            return kPlaneObject;
+        case Aov::primitiveId:
+            return kPlanePrimitive;
     }
     PLUMB_ASSERT(!"every AOV has a plane");
     return 0;

@@ -2,10 +2,10 @@
 // Layers of two files in one form, and colours as they are seen.
 #include "pipeline/compare/metrics.h"
 
-#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,8 +44,7 @@ bool bringTogether(Layer& a, Layer& b, std::string& why) {
         return false;
     }
     if (a.colour) {
-        const bool rgb = std::max(a.channels - (a.alpha ? 1u : 0u), b.channels - (b.alpha ? 1u : 0u)) > 1,
-                   alpha = a.alpha || b.alpha;
+        const bool rgb = std::max(a.channels - (a.alpha ? 1u : 0u), b.channels - (b.alpha ? 1u : 0u)) > 1, alpha = a.alpha || b.alpha;
         const bool associated = a.associated || b.associated;  // an opaque alpha is both
         for (Layer* layer : {&a, &b}) {
             expand(*layer, rgb, alpha);
@@ -64,9 +63,7 @@ bool bringTogether(Layer& a, Layer& b, std::string& why) {
 }
 
 double linearFromSrgb(double code) { return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4); }
-double srgbFromLinear(double light) {
-    return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
-}
+double srgbFromLinear(double light) { return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055; }
 
 Seen seen(const Layer& layer, uint32_t width, uint32_t height, double ground) {
     Seen out{width, height, {}, {}, {}};
@@ -75,16 +72,14 @@ Seen seen(const Layer& layer, uint32_t width, uint32_t height, double ground) {
     const uint32_t shown = layer.channels - (layer.alpha ? 1 : 0);
     std::vector<double> table;  // of codes, since pow is slow
     if (layer.kind == LayerKind::code && !layer.linear)
-        for (int code = 0; code <= int(layer.fullScale); ++code)
-            table.push_back(linearFromSrgb(code / layer.fullScale));
+        for (int code = 0; code <= int(layer.fullScale); ++code) table.push_back(linearFromSrgb(code / layer.fullScale));
     const auto light = [&](double s) { return !table.empty() ? table[size_t(s)] : s / layer.fullScale; };
     const auto clamped = [](double v) { return std::isnan(v) ? 0.0f : float(std::clamp(v, 0.0, 1.0)); };
     for (size_t i = 0; i < pixels; ++i) {
         const double* s = layer.samples.data() + i * layer.channels;
         Rgb c{light(s[0]), light(s[shown == 1 ? 0 : 1]), light(s[shown == 1 ? 0 : 2])};
         if (layer.alpha) {
-            const double a = std::clamp(s[shown] / layer.fullScale, 0.0, 1.0), own = layer.associated ? 1 : a,
-                         under = (1 - a) * ground;
+            const double a = std::clamp(s[shown] / layer.fullScale, 0.0, 1.0), own = layer.associated ? 1 : a, under = (1 - a) * ground;
             c = {c.r * own + under, c.g * own + under, c.b * own + under};
         }
         out.red.push_back(clamped(c.r));

@@ -5,10 +5,10 @@
 #include "pipeline/compare/metrics.h"
 #include "pipeline/scene/text.h"
 
-#include <cstdint>
 #include <fmt/format.h>
-#include <algorithm>
 #include <fmt/ranges.h>
+#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,10 +24,8 @@ const Layer* find(const Picture& picture, const std::string& name) {
 
 Layer withoutSamples(const Layer& layer) {
     Layer copy;
-    copy.name = layer.name, copy.kind = layer.kind, copy.colour = layer.colour, copy.linear = layer.linear,
-    copy.alpha = layer.alpha;
-    copy.associated = layer.associated, copy.channels = layer.channels, copy.fullScale = layer.fullScale,
-    copy.precision = layer.precision;
+    copy.name = layer.name, copy.kind = layer.kind, copy.colour = layer.colour, copy.linear = layer.linear, copy.alpha = layer.alpha;
+    copy.associated = layer.associated, copy.channels = layer.channels, copy.fullScale = layer.fullScale, copy.precision = layer.precision;
     return copy;
 }
 
@@ -49,8 +47,7 @@ void keepWorse(std::optional<Perceived>& kept, const std::optional<Perceived>& o
     if (!kept || (largerIsWorse ? other->mean > kept->mean : other->mean < kept->mean)) kept = other;
 }
 
-void takePerceived(const Layer& a, const Layer& b, uint32_t width, uint32_t height, const CompareOptions& options,
-                   LayerDifference& out) {
+void takePerceived(const Layer& a, const Layer& b, uint32_t width, uint32_t height, const CompareOptions& options, LayerDifference& out) {
     std::vector<double> grounds = {0};
     if (seesThrough(a) || seesThrough(b)) grounds.push_back(1);
     for (const double ground : grounds) {
@@ -63,8 +60,7 @@ void takePerceived(const Layer& a, const Layer& b, uint32_t width, uint32_t heig
     }
 }
 
-LayerDifference compareLayer(const Picture& a, const Picture& b, const Layer& inA, const Layer& inB,
-                             const CompareOptions& options) {
+LayerDifference compareLayer(const Picture& a, const Picture& b, const Layer& inA, const Layer& inB, const CompareOptions& options) {
     LayerDifference out;
     out.name = inA.name;
     out.a = withoutSamples(inA);
@@ -84,8 +80,7 @@ LayerDifference compareLayer(const Picture& a, const Picture& b, const Layer& in
 
 bool Comparison::equal() const {
     return sameSize && onlyA.empty() && onlyB.empty() &&
-           std::all_of(layers.begin(), layers.end(),
-                       [](const LayerDifference& layer) { return layer.differing == 0 && !layer.hasNan(); });
+           std::all_of(layers.begin(), layers.end(), [](const LayerDifference& layer) { return layer.differing == 0 && !layer.hasNan(); });
 }
 
 Comparison compare(const Picture& a, const Picture& b, const CompareOptions& options) {
@@ -94,8 +89,7 @@ Comparison compare(const Picture& a, const Picture& b, const CompareOptions& opt
         if (find(a, name) == nullptr && find(b, name) == nullptr) {
             std::vector<std::string> names;
             for (const Layer& layer : a.layers) names.push_back(layer.name);
-            throw usageError(fmt::format("neither picture has a plane '{}'; the first has {}", printable(name),
-                                         fmt::join(names, ", ")));
+            throw usageError(fmt::format("neither picture has a plane '{}'; the first has {}", printable(name), fmt::join(names, ", ")));
         }
     if (a.width != b.width || a.height != b.height || a.left != b.left || a.top != b.top) {
         out.sameSize = false;
@@ -103,8 +97,7 @@ Comparison compare(const Picture& a, const Picture& b, const CompareOptions& opt
         return out;
     }
     const auto wanted = [&](const Layer& layer) {
-        return options.layers.empty() ||
-               std::find(options.layers.begin(), options.layers.end(), layer.name) != options.layers.end();
+        return options.layers.empty() || std::find(options.layers.begin(), options.layers.end(), layer.name) != options.layers.end();
     };
     for (const Layer& layer : b.layers)
         if (wanted(layer) && find(a, layer.name) == nullptr) out.onlyB.push_back(layer.name);

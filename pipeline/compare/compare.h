@@ -20,7 +20,7 @@ struct Place {
 };
 
 struct CompareOptions {
-    uint32_t radius = 0;  // a pixel matches when a pixel of the other picture within this many columns and rows does
+    uint32_t radius = 0;              // a pixel matches when a pixel of the other picture within this many columns and rows does
     double pixelsPerDegree = 0;       // of FLIP; 0: kDefaultPixelsPerDegree
     std::vector<std::string> layers;  // names; empty: all
     uint32_t threads = 0;             // 0: all; changes no number
@@ -59,9 +59,8 @@ struct LayerDifference {
     std::optional<double> max, mean, rmse;  // of channels: largest, mean and root of mean square
     Place maxAt;
     uint32_t maxChannel = 0;
-    double valueA = 0, valueB = 0;  // there, in units of the layer
-    std::vector<double>
-        error;  // a pixel: the largest of its channels; NaN where a sample is NaN. Ids: 1 where they differ
+    double valueA = 0, valueB = 0;   // there, in units of the layer
+    std::vector<double> error;       // a pixel: the largest of its channels; NaN where a sample is NaN. Ids: 1 where they differ
     std::optional<double> psnr;      // dB, peak 1, colour only; infinite when equal
     std::array<uint64_t, 4> over{};  // pixels whose error is over kLevels / 255; code and colour
     Region region;

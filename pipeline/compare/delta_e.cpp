@@ -78,8 +78,8 @@ Perceived deltaEOf(const Seen& a, const Seen& b, const CompareOptions& options) 
             for (uint32_t x = 0; x < a.width; ++x) {
                 const size_t i = size_t(y) * a.width + x;
                 if (a.red[i] == b.red[i] && a.green[i] == b.green[i] && a.blue[i] == b.blue[i]) continue;
-                const double d = ciede2000(labFromLinear({a.red[i], a.green[i], a.blue[i]}),
-                                           labFromLinear({b.red[i], b.green[i], b.blue[i]}));
+                const double d =
+                    ciede2000(labFromLinear({a.red[i], a.green[i], a.blue[i]}), labFromLinear({b.red[i], b.green[i], b.blue[i]}));
                 row.mean += d;
                 if (d > row.worst) row.worst = d, row.at = {x, y};
             }

@@ -37,8 +37,7 @@ uint32_t heat(double t) {
     const double at = std::clamp(t, 0.0, 1.0) * (kPoints.size() - 1);
     const size_t k = std::min(size_t(at), kPoints.size() - 2);
     std::array<double, 3> rgb{};
-    for (size_t c = 0; c < 3; ++c)
-        rgb[c] = (kPoints[k][c] + (at - double(k)) * (double(kPoints[k + 1][c]) - kPoints[k][c])) / 255;
+    for (size_t c = 0; c < 3; ++c) rgb[c] = (kPoints[k][c] + (at - double(k)) * (double(kPoints[k + 1][c]) - kPoints[k][c])) / 255;
     return packed(rgb);
 }
 
@@ -51,8 +50,7 @@ Frame frameOf(uint32_t width, uint32_t height) {
 }
 
 const Layer& layerOf(const Picture& picture, const std::string& name) {
-    const auto at =
-        std::find_if(picture.layers.begin(), picture.layers.end(), [&](const Layer& l) { return l.name == name; });
+    const auto at = std::find_if(picture.layers.begin(), picture.layers.end(), [&](const Layer& l) { return l.name == name; });
     PLUMB_ASSERT(at != picture.layers.end());
     return *at;
 }
@@ -62,8 +60,7 @@ const Layer& layerOf(const Picture& picture, const std::string& name) {
 DifferencePicture drawDifference(const Picture& a, const Picture& b, const LayerDifference& layer) {
     DifferencePicture out{frameOf(a.width, a.height), 0};
     if (layer.a.kind == LayerKind::id) {
-        for (size_t i = 0; i < layer.error.size(); ++i)
-            out.frame.rgba[i] = layer.error[i] != 0 ? 0xffffffffu : 0xff000000u;
+        for (size_t i = 0; i < layer.error.size(); ++i) out.frame.rgba[i] = layer.error[i] != 0 ? 0xffffffffu : 0xff000000u;
         return out;
     }
     Layer p = layerOf(a, layer.name), q = layerOf(b, layer.name);
@@ -103,9 +100,8 @@ HeatPicture drawHeat(const LayerDifference& layer, uint32_t width, uint32_t heig
         if (most > 0) out.brightest = most;
     }
     for (size_t i = 0; i < layer.error.size(); ++i)
-        out.frame.rgba[i] = std::isnan(layer.error[i])
-                                ? kMagenta
-                                : heat(out.flip ? double(layer.flipMap[i]) : layer.error[i] / out.brightest);
+        out.frame.rgba[i] =
+            std::isnan(layer.error[i]) ? kMagenta : heat(out.flip ? double(layer.flipMap[i]) : layer.error[i] / out.brightest);
     return out;
 }
 

@@ -28,8 +28,7 @@ struct Inverse {
     constexpr Inverse() : m{} {
         const auto& a = kXyzFromRgb;
         const auto minor = [&](int r, int c) {
-            return a[(r + 1) % 3][(c + 1) % 3] * a[(r + 2) % 3][(c + 2) % 3] -
-                   a[(r + 1) % 3][(c + 2) % 3] * a[(r + 2) % 3][(c + 1) % 3];
+            return a[(r + 1) % 3][(c + 1) % 3] * a[(r + 2) % 3][(c + 2) % 3] - a[(r + 1) % 3][(c + 2) % 3] * a[(r + 2) % 3][(c + 1) % 3];
         };
         const double determinant = a[0][0] * minor(0, 0) + a[0][1] * minor(0, 1) + a[0][2] * minor(0, 2);
         for (int r = 0; r < 3; ++r)
@@ -106,8 +105,7 @@ void normaliseSigns(std::vector<double>& weights) {
 
 Filters filtersFor(double pixelsPerDegree) {
     // 4.1, table 1: E(x) = a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees; the blue-yellow one is a sum of two.
-    constexpr double kAchromatic = 0.0047, kRedGreen = 0.0053, kBlueYellow[2] = {0.04, 0.025},
-                     kAmount[2] = {34.1, 13.5};
+    constexpr double kAchromatic = 0.0047, kRedGreen = 0.0053, kBlueYellow[2] = {0.04, 0.025}, kAmount[2] = {34.1, 13.5};
     Filters f;
     f.radius = int(std::ceil(3 * std::sqrt(kBlueYellow[0] / (2 * kPi * kPi)) * pixelsPerDegree));
     const auto falloff = [&](double b) { return kPi * kPi / b / (pixelsPerDegree * pixelsPerDegree); };
@@ -142,10 +140,8 @@ struct Patch {
 };
 
 // Along rows with `across`, then down columns with `down`; the result has the band's size.
-std::vector<double> filtered(const Patch& patch, size_t margin, const std::vector<double>& across,
-                             const std::vector<double>& down) {
-    const size_t reach = across.size() / 2, bandWidth = patch.width - 2 * margin,
-                 bandHeight = patch.height - 2 * margin;
+std::vector<double> filtered(const Patch& patch, size_t margin, const std::vector<double>& across, const std::vector<double>& down) {
+    const size_t reach = across.size() / 2, bandWidth = patch.width - 2 * margin, bandHeight = patch.height - 2 * margin;
     std::vector<double> rows(patch.height * bandWidth);
     for (size_t y = margin - reach; y < patch.height - margin + reach; ++y) {
         double* to = rows.data() + y * bandWidth;
@@ -230,8 +226,7 @@ Perceived flipOf(const Seen& a, const Seen& b, const CompareOptions& options, st
             for (size_t i = 0; i < bandA.colour.size(); ++i) {
                 const uint32_t x = uint32_t(i % a.width), y = first + uint32_t(i / a.width);
                 const double colour = redistributed(hyAb(bandA.colour[i], bandB.colour[i]));
-                const double features =
-                    std::max(std::fabs(bandA.edge[i] - bandB.edge[i]), std::fabs(bandA.point[i] - bandB.point[i]));
+                const double features = std::max(std::fabs(bandA.edge[i] - bandB.edge[i]), std::fabs(bandA.point[i] - bandB.point[i]));
                 const double feature = std::clamp(std::pow(features / std::numbers::sqrt2, kQf), 0.0, 1.0);
                 const double error = std::pow(colour, 1 - feature);  // 4.4
                 map[size_t(y) * a.width + x] = float(error);

@@ -5,11 +5,11 @@
 #include "pipeline/scene/text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fmt/ranges.h>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -57,8 +57,7 @@ std::optional<double> numberOf(std::string_view text) {
         double value = 0;
         word = trimmed(word);
         const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value) || std::signbit(value))
-            return std::nullopt;
+        if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value) || std::signbit(value)) return std::nullopt;
         return value;
     };
     const size_t slash = text.find('/');
@@ -121,8 +120,7 @@ std::optional<Measured> measured(const Gate& gate, const LayerDifference& layer)
         }
         case Metric::over: {
             if (layer.a.kind == LayerKind::id) return std::nullopt;
-            const auto count =
-                std::count_if(layer.error.begin(), layer.error.end(), [&](double e) { return e > gate.level; });
+            const auto count = std::count_if(layer.error.begin(), layer.error.end(), [&](double e) { return e > gate.level; });
             return Measured{double(count), worst};
         }
     }
@@ -138,8 +136,7 @@ Gate parseGate(const std::string& text) {
     gate.text = text;
     const size_t at = text.find_first_of("<>");
     if (at == text.npos) refuse(text, "'<=', '<', '>=' or '>' is missing");
-    std::string_view left = trimmed(std::string_view(text).substr(0, at)),
-                     right = std::string_view(text).substr(at + 1);
+    std::string_view left = trimmed(std::string_view(text).substr(0, at)), right = std::string_view(text).substr(at + 1);
     gate.larger = text[at] == '>';
     gate.strict = !right.starts_with('=');
     if (!gate.strict) right.remove_prefix(1);
@@ -172,8 +169,8 @@ Gate parseGate(const std::string& text) {
         gate.level = *value;
     }
     if (gate.larger != row->larger)
-        refuse(text, fmt::format("{} is better when {}: use '{}='", row->name, row->larger ? "larger" : "smaller",
-                                 row->larger ? ">" : "<"));
+        refuse(text,
+               fmt::format("{} is better when {}: use '{}='", row->name, row->larger ? "larger" : "smaller", row->larger ? ">" : "<"));
     right = trimmed(right);
     if (right.ends_with('%')) {
         if (!row->countsPixels) refuse(text, "'%' is of the pixels, for differing, region, nan and over");
@@ -206,20 +203,17 @@ std::vector<GateResult> judge(const std::vector<Gate>& gates, const Comparison& 
             return std::find(names.begin(), names.end(), gate.layer) != names.end();
         };
         if (results.size() != before || lacks(comparison.onlyA) || lacks(comparison.onlyB)) continue;
-        if (!gate.layer.empty() && !found)
-            refuse(gate.text, fmt::format("there is no plane '{}'", printable(gate.layer, 40)));
+        if (!gate.layer.empty() && !found) refuse(gate.text, fmt::format("there is no plane '{}'", printable(gate.layer, 40)));
         if (comparison.layers.empty()) continue;
-        refuse(gate.text, gate.metric == Metric::ssim
-                              ? "these pictures have no ssim, which needs colour and 11x11 pixels"
-                              : fmt::format("these pictures have no {}", nameOf(gate.metric)));
+        refuse(gate.text, gate.metric == Metric::ssim ? "these pictures have no ssim, which needs colour and 11x11 pixels"
+                                                      : fmt::format("these pictures have no {}", nameOf(gate.metric)));
     }
     return results;
 }
 
 bool nanIsJudged(const std::vector<Gate>& gates, const std::string& layer) {
-    return std::any_of(gates.begin(), gates.end(), [&](const Gate& gate) {
-        return gate.metric == Metric::nan && (gate.layer.empty() || gate.layer == layer);
-    });
+    return std::any_of(gates.begin(), gates.end(),
+                       [&](const Gate& gate) { return gate.metric == Metric::nan && (gate.layer.empty() || gate.layer == layer); });
 }
 
 }  // namespace plumb

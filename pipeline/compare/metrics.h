@@ -16,8 +16,7 @@ namespace plumb {
 bool bringTogether(Layer& a, Layer& b, std::string& why);
 
 // max, mean, rmse, psnr, over, differing, region, error, NaN. The layers are alike.
-void takeNorms(const Layer& a, const Layer& b, uint32_t width, uint32_t height, const CompareOptions&,
-               LayerDifference&);
+void takeNorms(const Layer& a, const Layer& b, uint32_t width, uint32_t height, const CompareOptions&, LayerDifference&);
 // Largest distance in representable numbers.
 void takeUlp(const Layer& a, const Layer& b, uint32_t width, LayerDifference&);
 // Of the pixels whose flag is not 0.

@@ -3,12 +3,12 @@
 #include "pipeline/compare/metrics.h"
 #include "pipeline/passes/parallel.h"
 
-#include <array>
-#include <cstdint>
 #include <half.h>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -37,9 +37,7 @@ struct Pixels {
     }
     // The pixel of `other` within `radius` of (x, y) that is nearest to p; the one at (x, y) itself on a tie, then the first.
     const double* nearest(const double* p, const Layer& other, uint32_t x, uint32_t y, uint32_t radius) const {
-        const auto at = [&](uint32_t u, uint32_t v) {
-            return other.samples.data() + (size_t(v) * width + u) * channels;
-        };
+        const auto at = [&](uint32_t u, uint32_t v) { return other.samples.data() + (size_t(v) * width + u) * channels; };
         const double* best = at(x, y);
         double least = largest(p, best);
         if (std::isnan(least)) least = kInfinity;
@@ -68,9 +66,8 @@ double steps(double a, double b) {
         return (bits & sign) != 0 ? -magnitude : magnitude;
     };
     // Up to 2^64 apart: as a double that is rounded only beyond 2^53.
-    return std::fabs(double(ordered(a)) - double(ordered(b))) < 0x1p53
-               ? double(std::abs(ordered(a) - ordered(b)))
-               : std::fabs(double(ordered(a)) - double(ordered(b)));
+    return std::fabs(double(ordered(a)) - double(ordered(b))) < 0x1p53 ? double(std::abs(ordered(a) - ordered(b)))
+                                                                       : std::fabs(double(ordered(a)) - double(ordered(b)));
 }
 
 double halfSteps(double a, double b) {
@@ -129,8 +126,7 @@ Region largestRegion(const std::vector<uint8_t>& differs, uint32_t width, uint32
     return best;
 }
 
-void takeNorms(const Layer& a, const Layer& b, uint32_t width, uint32_t height, const CompareOptions& options,
-               LayerDifference& out) {
+void takeNorms(const Layer& a, const Layer& b, uint32_t width, uint32_t height, const CompareOptions& options, LayerDifference& out) {
     const Pixels pixels{a, b, width, height};
     const uint32_t channels = a.channels;
     const size_t count = size_t(width) * height;
@@ -175,10 +171,9 @@ void takeNorms(const Layer& a, const Layer& b, uint32_t width, uint32_t height, 
             note(out.nanB, b.samples.data() + i * channels, channels, place);
             const double error = out.error[i];
             if (std::isnan(error)) {
-                const bool both = std::equal(a.samples.data() + i * channels, a.samples.data() + (i + 1) * channels,
-                                             b.samples.data() + i * channels, [](double p, double q) {
-                                                 return p == q || (std::isnan(p) && std::isnan(q));
-                                             });
+                const bool both =
+                    std::equal(a.samples.data() + i * channels, a.samples.data() + (i + 1) * channels, b.samples.data() + i * channels,
+                               [](double p, double q) { return p == q || (std::isnan(p) && std::isnan(q)); });
                 differs[i] = both ? 0 : 1;
             } else {
                 ++out.compared;

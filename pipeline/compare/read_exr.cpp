@@ -8,12 +8,12 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
-#include <cstdint>
-#include <exception>
-#include <filesystem>
 #include <fmt/core.h>
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
+#include <exception>
+#include <filesystem>
 #include <map>
 #include <new>
 #include <stdexcept>
@@ -24,10 +24,9 @@
 namespace plumb {
 namespace {
 
-constexpr int64_t kMostCoordinate = int64_t(1) << 24;  // of a data window
-constexpr uint64_t kRowsOfABlock = 256;                // DWAB; the other compressions have fewer
-constexpr uint64_t kMostBlockBytes = uint64_t(1)
-                                     << 28;  // of rows or of a tile; OpenEXR takes one block before it reads it
+constexpr int64_t kMostCoordinate = int64_t(1) << 24;    // of a data window
+constexpr uint64_t kRowsOfABlock = 256;                  // DWAB; the other compressions have fewer
+constexpr uint64_t kMostBlockBytes = uint64_t(1) << 28;  // of rows or of a tile; OpenEXR takes one block before it reads it
 constexpr uint32_t kRowsAtOnce = 64;
 
 class MemoryStream : public Imf::IStream {
@@ -76,8 +75,7 @@ public:
             } else if (name == "tiles" && size == 9) {
                 tileWidth = word(start);
                 tileHeight = word(start + 4);
-                if (tileWidth == 0 || tileHeight == 0 || tileWidth > kLargestPictureSide ||
-                    tileHeight > kLargestPictureSide)
+                if (tileWidth == 0 || tileHeight == 0 || tileWidth > kLargestPictureSide || tileHeight > kLargestPictureSide)
                     refuse(start, "tiles of a senseless size");
             } else if (name == "channels") {
                 while (at_ < start + size && bytes_[at_] != '\0') {
@@ -96,25 +94,21 @@ public:
         if (width <= 0 || height <= 0) refuse(at_, "an empty data window");
         if (width > int64_t(kLargestPictureSide) || height > int64_t(kLargestPictureSide))
             refuse(at_, fmt::format("a side is longer than {}", kLargestPictureSide));
-        if (channels > kMostChannels)
-            refuse(at_, fmt::format("{} channels; at most {} are read", channels, kMostChannels));
+        if (channels > kMostChannels) refuse(at_, fmt::format("{} channels; at most {} are read", channels, kMostChannels));
         if (uint64_t(width) * uint64_t(height) * channels > kMostSamples) refuse(at_, "more than 2^27 samples");
         if ((version & 0x200) != 0 && tileWidth == 0) refuse(at_, "tiles without their size");
         const uint64_t blockWidth = std::max(uint64_t(width), tileWidth),
                        blockHeight = std::max(std::min(uint64_t(height), kRowsOfABlock), tileHeight);
-        if (blockWidth * blockHeight * channels * 4 > kMostBlockBytes)
-            refuse(at_, "a block of rows or a tile takes more than 256 MiB");
+        if (blockWidth * blockHeight * channels * 4 > kMostBlockBytes) refuse(at_, "a block of rows or a tile takes more than 256 MiB");
         // Each block has an offset of 8 bytes in the file's table; without tiles it holds 256 rows at most.
         const auto over = [](uint64_t count, uint64_t size) { return (count + size - 1) / size; };
-        const uint64_t blocks = tileWidth == 0 ? over(uint64_t(height), kRowsOfABlock)
-                                               : over(uint64_t(width), tileWidth) * over(uint64_t(height), tileHeight);
+        const uint64_t blocks =
+            tileWidth == 0 ? over(uint64_t(height), kRowsOfABlock) : over(uint64_t(width), tileWidth) * over(uint64_t(height), tileHeight);
         if (blocks > (bytes_.size() - at_) / 8) refuse(bytes_.size(), "the file ends early");
     }
 
 private:
-    [[noreturn]] void refuse(uint64_t at, const std::string& why) const {
-        throw inputError(placeOfByte(path_, at), "EXR: " + why);
-    }
+    [[noreturn]] void refuse(uint64_t at, const std::string& why) const { throw inputError(placeOfByte(path_, at), "EXR: " + why); }
     uint32_t word(uint64_t at) const {
         if (bytes_.size() < 4 || at > bytes_.size() - 4) refuse(bytes_.size(), "the file ends within its header");
         uint32_t value = 0;
@@ -159,12 +153,10 @@ std::vector<Group> groupsOf(const Imf::ChannelList& list) {
         const std::string prefix = layer.empty() ? "" : layer + ".";
         for (const std::string word : {"RGBA", "RGB", "XYZ", "YA", "Y"}) {
             const bool colour = word != "XYZ";
-            if (!std::all_of(word.begin(), word.end(), [&](char c) { return channels.count(std::string(1, c)) != 0; }))
-                continue;
+            if (!std::all_of(word.begin(), word.end(), [&](char c) { return channels.count(std::string(1, c)) != 0; })) continue;
             if ((word[0] == 'Y' || word[0] == 'X') && layer.empty() && channels.count("R") != 0) continue;
             const Imf::PixelType type = channels[std::string(1, word[0])];
-            if (!std::all_of(word.begin(), word.end(), [&](char c) { return channels[std::string(1, c)] == type; }))
-                continue;
+            if (!std::all_of(word.begin(), word.end(), [&](char c) { return channels[std::string(1, c)] == type; })) continue;
             if (colour && type == Imf::UINT) continue;
             if (word == "XYZ" && layer.empty()) continue;  // Z alone is depth
             Group group;
@@ -178,8 +170,7 @@ std::vector<Group> groupsOf(const Imf::ChannelList& list) {
             groups.push_back(group);
             break;
         }
-        for (const auto& [name, type] : channels)
-            groups.push_back({nameOfDepth(prefix + name), {prefix + name}, false, false});
+        for (const auto& [name, type] : channels) groups.push_back({nameOfDepth(prefix + name), {prefix + name}, false, false});
     }
     std::stable_partition(groups.begin(), groups.end(), [](const Group& g) { return g.name == "color"; });
     for (size_t i = 0; i < groups.size(); ++i)  // a channel "color" or "depth" beside ours keeps its own name
@@ -196,8 +187,8 @@ void append(const std::vector<std::vector<T>>& rows, size_t pixels, std::vector<
 
 // Rows [y0, y0 + count) of every group, which is as much as is read and kept at once.
 template <class T>
-void insert(Imf::FrameBuffer& buffer, Imf::PixelType type, const Group& group, std::vector<std::vector<T>>& rows,
-            const Picture& picture, int y0, size_t count) {
+void insert(Imf::FrameBuffer& buffer, Imf::PixelType type, const Group& group, std::vector<std::vector<T>>& rows, const Picture& picture,
+            int y0, size_t count) {
     rows.assign(group.channels.size(), std::vector<T>(size_t(picture.width) * count));
     for (size_t c = 0; c < group.channels.size(); ++c) {
         // OpenEXR addresses pixel (x, y) of the data window as base + x * xStride + y * yStride.
@@ -220,8 +211,7 @@ Picture decode(Imf::InputFile& file) {
     for (const Group& group : groups) {
         for (const std::string& name : group.channels)
             if (const Imf::Channel& channel = list[name.c_str()]; channel.xSampling != 1 || channel.ySampling != 1)
-                throw std::runtime_error(
-                    fmt::format("channel '{}' is subsampled; one sample a pixel is read", printable(name, 40)));
+                throw std::runtime_error(fmt::format("channel '{}' is subsampled; one sample a pixel is read", printable(name, 40)));
         const Imf::PixelType type = list[group.channels[0].c_str()].type;
         Layer layer;
         layer.name = printable(group.name, 80);

@@ -3,15 +3,15 @@
 #include "pipeline/compare/picture.h"
 #include "pipeline/scene/text.h"
 
-#include <cstdint>
-#include <filesystem>
 #include <fmt/core.h>
 #include <half.h>
 #include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,8 +27,7 @@ constexpr double kMostExact = 0x1p53;  // integers beyond are not exact in binar
 // The header's dictionary: three keys with a string, a boolean and a tuple of whole numbers. Nothing is evaluated.
 class Literal {
 public:
-    Literal(std::string_view text, const std::filesystem::path& path, size_t offset)
-        : text_(text), path_(path), offset_(offset) {}
+    Literal(std::string_view text, const std::filesystem::path& path, size_t offset) : text_(text), path_(path), offset_(offset) {}
 
     std::string descr;
     std::optional<bool> fortran;
@@ -57,15 +56,11 @@ public:
         if (at_ != text_.size()) refuse("text after the dictionary");
         if (descr.empty() || !fortran || !hasShape) refuse("'descr', 'fortran_order' or 'shape' is missing");
     }
-    [[noreturn]] void refuse(const std::string& why) const {
-        throw inputError(placeOfByte(path_, offset_ + at_), "NPY header: " + why);
-    }
+    [[noreturn]] void refuse(const std::string& why) const { throw inputError(placeOfByte(path_, offset_ + at_), "NPY header: " + why); }
 
 private:
     void blanks() {
-        while (at_ < text_.size() &&
-               (text_[at_] == ' ' || text_[at_] == '\n' || text_[at_] == '\t' || text_[at_] == '\r'))
-            ++at_;
+        while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\n' || text_[at_] == '\t' || text_[at_] == '\r')) ++at_;
     }
     bool accept(char c) {
         blanks();
@@ -145,16 +140,13 @@ Picture readNpyPicture(const std::filesystem::path& path, const std::string& byt
     if (bytes.size() < 12) throw inputError(placeOfByte(path, bytes.size()), "NPY: the file ends within its header");
     const size_t version = byte(6);
     if (version < 1 || version > 3 || byte(7) != 0)
-        throw inputError(placeOfByte(path, 6),
-                         fmt::format("NPY: version {}.{}; 1.0, 2.0 and 3.0 are read", version, byte(7)));
+        throw inputError(placeOfByte(path, 6), fmt::format("NPY: version {}.{}; 1.0, 2.0 and 3.0 are read", version, byte(7)));
     const size_t prefix = version == 1 ? 10 : 12;
-    const size_t headerBytes =
-        version == 1 ? byte(8) | byte(9) << 8 : byte(8) | byte(9) << 8 | byte(10) << 16 | byte(11) << 24;
+    const size_t headerBytes = version == 1 ? byte(8) | byte(9) << 8 : byte(8) | byte(9) << 8 | byte(10) << 16 | byte(11) << 24;
     if (headerBytes > kMostHeaderBytes)
         throw inputError(placeOfByte(path, 8),
                          fmt::format("NPY: a header of {} bytes; at most {} are read", headerBytes, kMostHeaderBytes));
-    if (headerBytes > bytes.size() - prefix)
-        throw inputError(placeOfByte(path, bytes.size()), "NPY: the file ends within its header");
+    if (headerBytes > bytes.size() - prefix) throw inputError(placeOfByte(path, bytes.size()), "NPY: the file ends within its header");
     Literal header(std::string_view(bytes).substr(prefix, headerBytes), path, prefix);
     header.read();
 
@@ -162,27 +154,24 @@ Picture readNpyPicture(const std::filesystem::path& path, const std::string& byt
     const char order = type[0], kind = type.size() == 3 ? type[1] : '\0';
     const size_t size = type.size() == 3 ? size_t(type[2] - '0') : 0;
     const bool whole = kind == 'u' || kind == 'i' || (kind == 'b' && size == 1);
-    const bool known = (order == '<' || order == '>' || (order == '|' && size == 1)) &&
-                       ((whole && (size == 1 || size == 2 || size == 4 || size == 8)) ||
-                        (kind == 'f' && (size == 2 || size == 4 || size == 8)));
+    const bool known =
+        (order == '<' || order == '>' || (order == '|' && size == 1)) &&
+        ((whole && (size == 1 || size == 2 || size == 4 || size == 8)) || (kind == 'f' && (size == 2 || size == 4 || size == 8)));
     if (!known)
-        header.refuse(fmt::format("type '{}' is not read; accepted: |b1, integers and floats of 1 to 8 bytes",
-                                  printable(type, 40)));
+        header.refuse(fmt::format("type '{}' is not read; accepted: |b1, integers and floats of 1 to 8 bytes", printable(type, 40)));
     if (header.shape.size() != 2 && header.shape.size() != 3)
         header.refuse("'shape' has neither two nor three numbers: (H, W) or (H, W, C)");
-    const uint64_t height = header.shape[0], width = header.shape[1],
-                   channels = header.shape.size() == 3 ? header.shape[2] : 1;
+    const uint64_t height = header.shape[0], width = header.shape[1], channels = header.shape.size() == 3 ? header.shape[2] : 1;
     if (height == 0 || width == 0 || channels == 0) header.refuse("an empty array");
     if (height > kLargestPictureSide || width > kLargestPictureSide)
         header.refuse(fmt::format("a side is longer than {}", kLargestPictureSide));
-    if (channels > kMostChannels)
-        header.refuse(fmt::format("{} channels; at most {} are read", channels, kMostChannels));
+    if (channels > kMostChannels) header.refuse(fmt::format("{} channels; at most {} are read", channels, kMostChannels));
     const uint64_t samples = height * width * channels;
     if (samples > kMostSamples) header.refuse("more than 2^27 samples");
     const size_t start = prefix + headerBytes;
     if (bytes.size() - start != samples * size)
-        throw inputError(placeOfByte(path, bytes.size()), fmt::format("NPY: {} bytes of data; the header says {}",
-                                                                      bytes.size() - start, samples * size));
+        throw inputError(placeOfByte(path, bytes.size()),
+                         fmt::format("NPY: {} bytes of data; the header says {}", bytes.size() - start, samples * size));
 
     Picture picture;
     picture.format = "npy";

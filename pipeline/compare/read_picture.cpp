@@ -3,9 +3,9 @@
 #include "pipeline/scene/sha256.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <cstdint>
 #include <filesystem>
-#include <fmt/core.h>
 #include <span>
 #include <string>
 
@@ -21,22 +21,19 @@ Picture readPicture(const std::filesystem::path& path) {
     else if (bytes.starts_with("\x93NUMPY"))
         picture = readNpyPicture(path, bytes);
     else
-        throw inputError(placeOfByte(path, 0),
-                         "neither a PNG nor an EXR nor an NPY: its first bytes belong to none of them");
+        throw inputError(placeOfByte(path, 0), "neither a PNG nor an EXR nor an NPY: its first bytes belong to none of them");
     picture.path = path.string();
     picture.sha256 = sha256Hex(std::as_bytes(std::span(bytes)));
     return picture;
 }
 
 std::string describe(const Layer& layer) {
-    if (layer.kind == LayerKind::id)
-        return layer.channels == 1 ? "ids" : fmt::format("{} channels, ids", layer.channels);
+    if (layer.kind == LayerKind::id) return layer.channels == 1 ? "ids" : fmt::format("{} channels, ids", layer.channels);
     const uint32_t shown = layer.channels - (layer.alpha ? 1 : 0);
-    const std::string channels =
-        !layer.colour ? fmt::format("{} channel{}", layer.channels, layer.channels == 1 ? "" : "s")
-                      : fmt::format("{}{}", shown == 1 ? "grey" : "RGB", layer.alpha ? " and alpha" : "");
-    const std::string type = layer.kind == LayerKind::code ? fmt::format("{} bits", layer.fullScale > 255 ? 16 : 8)
-                                                           : fmt::format("float{}", layer.precision);
+    const std::string channels = !layer.colour ? fmt::format("{} channel{}", layer.channels, layer.channels == 1 ? "" : "s")
+                                               : fmt::format("{}{}", shown == 1 ? "grey" : "RGB", layer.alpha ? " and alpha" : "");
+    const std::string type =
+        layer.kind == LayerKind::code ? fmt::format("{} bits", layer.fullScale > 255 ? 16 : 8) : fmt::format("float{}", layer.precision);
     return fmt::format("{}, {}{}", channels, type, layer.colour ? layer.linear ? ", linear" : ", sRGB" : "");
 }
 

@@ -3,10 +3,10 @@
 #include "pipeline/compare/picture.h"
 #include "pipeline/scene/text.h"
 
-#include <cstdint>
-#include <filesystem>
 #include <png.h>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -66,10 +66,8 @@ void decode(png_structp png, png_infop info, Reading& reading) {
     layer.fullScale = wide ? 65535 : 255;
     png_fixed_point gamma = 0;
     int intent = 0;
-    layer.linear =
-        png_get_sRGB(png, info, &intent) == 0 && png_get_gAMA_fixed(png, info, &gamma) != 0 && gamma == PNG_FP_1;
-    if (uint64_t(reading.width) * reading.height * layer.channels > kMostSamples)
-        png_error(png, "more than 2^27 samples");
+    layer.linear = png_get_sRGB(png, info, &intent) == 0 && png_get_gAMA_fixed(png, info, &gamma) != 0 && gamma == PNG_FP_1;
+    if (uint64_t(reading.width) * reading.height * layer.channels > kMostSamples) png_error(png, "more than 2^27 samples");
     const size_t rowBytes = png_get_rowbytes(png, info);
     if (rowBytes != size_t(reading.width) * layer.channels * (wide ? 2 : 1)) png_error(png, "a row of unexpected size");
     if (passes == 1) {  // row by row, so that a short file takes no more memory than the rows it has
@@ -80,12 +78,10 @@ void decode(png_structp png, png_infop info, Reading& reading) {
         }
     } else {
         // Seven passes fill a whole picture. Deflate expands 1032 times at most, so that a file that is too short is known before.
-        if (uint64_t(rowBytes) * reading.height / 1032 > reading.bytes.size())
-            png_error(png, "the file is too short for its picture");
+        if (uint64_t(rowBytes) * reading.height / 1032 > reading.bytes.size()) png_error(png, "the file is too short for its picture");
         reading.whole.resize(rowBytes * reading.height);
         for (int pass = 0; pass < passes; ++pass)
-            for (uint32_t y = 0; y < reading.height; ++y)
-                png_read_row(png, reading.whole.data() + y * rowBytes, nullptr);
+            for (uint32_t y = 0; y < reading.height; ++y) png_read_row(png, reading.whole.data() + y * rowBytes, nullptr);
         appendRow(reading.whole, wide, layer.samples);
     }
     png_read_end(png, nullptr);

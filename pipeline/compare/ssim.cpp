@@ -17,8 +17,7 @@ constexpr double kSigma = 1.5, kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // with a 
 std::array<double, kWindow> window() {
     std::array<double, kWindow> weights{};
     double sum = 0;
-    for (int i = 0; i < kWindow; ++i)
-        sum += weights[size_t(i)] = std::exp(-0.5 * (i - kMiddle) * (i - kMiddle) / (kSigma * kSigma));
+    for (int i = 0; i < kWindow; ++i) sum += weights[size_t(i)] = std::exp(-0.5 * (i - kMiddle) * (i - kMiddle) / (kSigma * kSigma));
     for (double& w : weights) w /= sum;
     return weights;
 }
@@ -39,8 +38,7 @@ struct Moments {
 
 double similarity(const Moments& m) {
     const double varianceA = m.aa - m.a * m.a, varianceB = m.bb - m.b * m.b, covariance = m.ab - m.a * m.b;
-    return (2 * m.a * m.b + kC1) * (2 * covariance + kC2) /
-           ((m.a * m.a + m.b * m.b + kC1) * (varianceA + varianceB + kC2));
+    return (2 * m.a * m.b + kC1) * (2 * covariance + kC2) / ((m.a * m.a + m.b * m.b + kC1) * (varianceA + varianceB + kC2));
 }
 
 }  // namespace
@@ -70,8 +68,7 @@ std::optional<Perceived> ssimOf(const Seen& a, const Seen& b, const CompareOptio
                 for (size_t k = 0; k < kWindow; ++k) m.add(weights[k], across[(y + k) * columns + x]);
                 const double s = similarity(m);
                 row.mean += s;
-                if (s < row.worst)
-                    row.worst = s, row.at = {uint32_t(x + kMiddle), uint32_t(first + y + kMiddle)};
+                if (s < row.worst) row.worst = s, row.at = {uint32_t(x + kMiddle), uint32_t(first + y + kMiddle)};
             }
         }
     });

@@ -32,8 +32,7 @@ constexpr uint32_t kNothing = 0xffffffffu;  // object_id where nothing is drawn
 void countCovered(Frame& frame, bool any) {
     frame.coveredPixels = any ? uint64_t(frame.width) * frame.height : 0;
     if (!frame.object.empty())
-        frame.coveredPixels =
-            uint64_t(frame.object.size()) - uint64_t(std::count(frame.object.begin(), frame.object.end(), kNothing));
+        frame.coveredPixels = uint64_t(frame.object.size()) - uint64_t(std::count(frame.object.begin(), frame.object.end(), kNothing));
 }
 
 }  // namespace
@@ -62,8 +61,7 @@ Frame fieldOf(const Frame& frame, Field field) {
     eachPlane(frame, part, [&](const auto& source, auto& target, size_t channels) {
         const size_t pitch = size_t(frame.width) * channels;
         for (uint32_t y = first; y < frame.height; y += 2)
-            target.insert(target.end(), source.begin() + ptrdiff_t(y * pitch),
-                          source.begin() + ptrdiff_t((y + 1) * pitch));
+            target.insert(target.end(), source.begin() + ptrdiff_t(y * pitch), source.begin() + ptrdiff_t((y + 1) * pitch));
     });
     countCovered(part, frame.coveredPixels != 0);
     return part;
@@ -79,8 +77,7 @@ Frame interlaced(const Frame& odd, const Frame& even) {
             const size_t pitch = size_t(from.width) * channels;
             target.resize(size_t(whole.height) * pitch);
             for (uint32_t y = 0; y < from.height; ++y)
-                std::copy_n(source.begin() + ptrdiff_t(y * pitch), pitch,
-                            target.begin() + ptrdiff_t((first + 2 * size_t(y)) * pitch));
+                std::copy_n(source.begin() + ptrdiff_t(y * pitch), pitch, target.begin() + ptrdiff_t((first + 2 * size_t(y)) * pitch));
         });
     };
     weave(odd, 0);

@@ -6,27 +6,27 @@
 #include "pipeline/passes/parallel.h"
 #include "pipeline/scene/extension.h"
 
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/random.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
-#include <fmt/core.h>
 #include <memory>
 #include <set>
 #include <span>
 #include <string>
-#include <sys/random.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
 #include <system_error>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -134,7 +134,8 @@ fs::path folderOf(const fs::path& target) { return target.has_parent_path() ? ta
 size_t mostFiles() {
     constexpr rlim_t kForOthers = 64;  // drivers, meshes, standard streams
     rlimit limit{};
-    if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur > kMostFiles + kForOthers) return kMostFiles;
+    if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur > kMostFiles + kForOthers)
+        return kMostFiles;
     return limit.rlim_cur <= kForOthers ? 1 : size_t(limit.rlim_cur - kForOthers);
 }
 
@@ -143,12 +144,12 @@ size_t mostFiles() {
 // A file on its way to `target`. Where the file system permits it has no name until it is placed, so that nothing is left of a killed process.
 struct FileBatch::Staged {
     fs::path shown, target, folder;
-    fs::path name;              // of the temporary file; after placing, of what was replaced
+    fs::path name;  // of the temporary file; after placing, of what was replaced
     NameSlot* slot = nullptr;
     int fd = -1;
     bool noClobber = false;
-    bool placed = false;        // `target` is the new file
-    bool holdsOld = false;      // `name` is the file that was replaced
+    bool placed = false;    // `target` is the new file
+    bool holdsOld = false;  // `name` is the file that was replaced
 
     Staged() = default;
     Staged(const Staged&) = delete;
@@ -194,8 +195,10 @@ struct FileBatch::Staged {
 
     // Under the target's name; what stood there is kept under the temporary one, where the file system can exchange names.
     void place() {
-        const auto exchange = [&](unsigned flags) { return retried([&] { return ::renameat2(AT_FDCWD, name.c_str(), AT_FDCWD, target.c_str(), flags); }) == 0; };
-        struct stat st{};
+        const auto exchange = [&](unsigned flags) {
+            return retried([&] { return ::renameat2(AT_FDCWD, name.c_str(), AT_FDCWD, target.c_str(), flags); }) == 0;
+        };
+        struct stat st {};
         const bool exists = ::lstat(target.c_str(), &st) == 0;
         if (exists && noClobber) refuseToReplace();
         if (!exists) {
@@ -267,7 +270,7 @@ void FileBatch::add(const fs::path& path, std::span<const std::byte> bytes, bool
     }
     checkWritable(path, noClobber);
     const fs::path target = followLinks(path);
-    struct stat st{};
+    struct stat st {};
     const bool exists = ::stat(target.c_str(), &st) == 0;
     if (exists && !S_ISREG(st.st_mode)) {  // a device or FIFO cannot be replaced by a rename without destroying it
         const int fd = retried([&] { return ::open(target.c_str(), O_WRONLY | O_CLOEXEC); });
@@ -332,7 +335,7 @@ void removeTemporaryFile() noexcept {
 void checkWritable(const fs::path& path, bool noClobber) {
     if (path == "-") return;
     const fs::path target = followLinks(path);
-    struct stat st{};
+    struct stat st {};
     if (::stat(target.c_str(), &st) == 0) {
         if (S_ISDIR(st.st_mode)) throw usageError(fmt::format("'{}' is a folder, not a file to write", path.string()));
         if (noClobber) throw usageError(fmt::format("--no-clobber: '{}' exists", path.string()));
@@ -361,7 +364,8 @@ void FileBatch::addFrame(const fs::path& path, const Frame& frame, uint32_t plan
     } else if (extension == ".exr") {
         bytes = encodeExr(frame, planes, metadata, options.alpha);
     } else if (extension == ".npy") {
-        if (planes == 0 || (planes & (planes - 1)) != 0) throw usageError(fmt::format("'{}': an .npy file holds exactly one plane", path.string()));
+        if (planes == 0 || (planes & (planes - 1)) != 0)
+            throw usageError(fmt::format("'{}': an .npy file holds exactly one plane", path.string()));
         bytes = encodeNpy(frame, Plane(planes));
     } else {
         throw usageError(fmt::format("'{}': pictures are written as .png, .exr or .npy", path.string()));

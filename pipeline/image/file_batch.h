@@ -30,8 +30,8 @@ public:
     // Enough wait to be placed now: files, bytes, or seconds since the first. A long list is so never lost as a whole.
     bool due() const;
 
-    void place();              // all of them, or none and an Error
-    void keep() noexcept;      // what place() replaced is gone for good; the batch is empty again
+    void place();          // all of them, or none and an Error
+    void keep() noexcept;  // what place() replaced is gone for good; the batch is empty again
     void commit() {
         place();
         keep();

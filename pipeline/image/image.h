@@ -19,11 +19,12 @@ namespace plumb {
 using Metadata = std::map<std::string, std::string>;  // provenance and conventions; PNG text chunks, EXR attributes
 
 struct WriteOptions {
-    bool noClobber = false;   // an existing file is refused (exit 2)
-    bool alpha = false;       // PNG: RGBA instead of RGB
-    int bits = 8;             // PNG: 8, or 16 (needs kPlaneLinear; sRGB or linear as metadata "encoding" says)
-    bool linear = false;      // PNG 16: no sRGB curve
-    bool grey = false;        // PNG: one channel of 8 bits, the red bytes as they are: a quantity rather than a colour, so neither curve nor gamma
+    bool noClobber = false;  // an existing file is refused (exit 2)
+    bool alpha = false;      // PNG: RGBA instead of RGB
+    int bits = 8;            // PNG: 8, or 16 (needs kPlaneLinear; sRGB or linear as metadata "encoding" says)
+    bool linear = false;     // PNG 16: no sRGB curve
+    bool grey =
+        false;  // PNG: one channel of 8 bits, the red bytes as they are: a quantity rather than a colour, so neither curve nor gamma
 };
 
 // "-" writes to stdout. Throws Error(failed) on disk faults (old file intact, temporary removed), Error(usage) for noClobber.

@@ -3,10 +3,10 @@
 #include "host/error.h"
 #include "pipeline/image/image.h"
 
+#include <fmt/core.h>
 #include <bit>
 #include <cstddef>
 #include <cstring>
-#include <fmt/core.h>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,20 +20,38 @@ std::vector<std::byte> encodeNpy(const Frame& frame, Plane plane) {
     int channels = 1;
     std::span<const std::byte> data;
     switch (plane) {
-        case kPlaneColour: type = "|u1", channels = 4, data = std::as_bytes(std::span(frame.rgba)); break;
-        case kPlaneLinear: channels = 3, data = std::as_bytes(std::span(frame.linear)); break;
-        case kPlaneDepth: data = std::as_bytes(std::span(frame.depth)); break;
-        case kPlaneDistance: data = std::as_bytes(std::span(frame.distance)); break;
-        case kPlaneNormal: channels = 3, data = std::as_bytes(std::span(frame.normal)); break;
-        case kPlaneObject: type = "<u4", data = std::as_bytes(std::span(frame.object)); break;
-        case kPlanePrimitive: type = "<u4", data = std::as_bytes(std::span(frame.primitive)); break;
-        case kPlaneZ: data = std::as_bytes(std::span(frame.z)); break;
-        case kPlaneTriangle: type = "<u4", data = std::as_bytes(std::span(frame.triangle)); break;
+        case kPlaneColour:
+            type = "|u1", channels = 4, data = std::as_bytes(std::span(frame.rgba));
+            break;
+        case kPlaneLinear:
+            channels = 3, data = std::as_bytes(std::span(frame.linear));
+            break;
+        case kPlaneDepth:
+            data = std::as_bytes(std::span(frame.depth));
+            break;
+        case kPlaneDistance:
+            data = std::as_bytes(std::span(frame.distance));
+            break;
+        case kPlaneNormal:
+            channels = 3, data = std::as_bytes(std::span(frame.normal));
+            break;
+        case kPlaneObject:
+            type = "<u4", data = std::as_bytes(std::span(frame.object));
+            break;
+        case kPlanePrimitive:
+            type = "<u4", data = std::as_bytes(std::span(frame.primitive));
+            break;
+        case kPlaneZ:
+            data = std::as_bytes(std::span(frame.z));
+            break;
+        case kPlaneTriangle:
+            type = "<u4", data = std::as_bytes(std::span(frame.triangle));
+            break;
     }
     const size_t elementBytes = type[2] == '1' ? 1 : 4;
     PLUMB_ASSERT(data.size() == size_t(frame.width) * frame.height * size_t(channels) * elementBytes);
-    const std::string shape =
-        channels == 1 ? fmt::format("({}, {})", frame.height, frame.width) : fmt::format("({}, {}, {})", frame.height, frame.width, channels);
+    const std::string shape = channels == 1 ? fmt::format("({}, {})", frame.height, frame.width)
+                                            : fmt::format("({}, {}, {})", frame.height, frame.width, channels);
     std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape);
     constexpr size_t kPrefix = 10;  // the array begins at a multiple of 64; the header ends in a newline
     header.append((64 - (kPrefix + header.size() + 1) % 64) % 64, ' ');

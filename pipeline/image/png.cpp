@@ -4,6 +4,9 @@
 #include "pipeline/image/image.h"
 #include "pipeline/image/zlib_strips.h"
 
+#include <fmt/core.h>
+#include <png.h>
+#include <sys/stat.h>
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -12,11 +15,8 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fmt/core.h>
 #include <memory>
-#include <png.h>
 #include <string>
-#include <sys/stat.h>
 #include <vector>
 
 namespace plumb {
@@ -103,17 +103,18 @@ std::vector<std::byte> encodePng(const Frame& frame, const WriteOptions& options
     // Everything with a destructor lives outside the frames that longjmp leaves.
     std::vector<std::byte> bytes;
     bytes.reserve(rowBytes * frame.height / 4 + 4096);
-    const std::vector<std::vector<std::byte>> strips = zlibStrips(frame.height, rowBytes + 1, kZlibLevel, [&](uint32_t y, unsigned char* to) {
-        *to++ = kFilterSub;
-        if (options.grey)
-            packRowGrey(frame, y, to);
-        else if (options.bits == 8)
-            packRow8(frame, y, options.alpha, to);
-        else
-            packRow16(frame, y, options.alpha, options.linear, to);
-        // Each byte minus that of the pixel before (PNG, 9.2).
-        for (size_t i = rowBytes - 1; i >= pixelBytes; --i) to[i] = static_cast<unsigned char>(to[i] - to[i - pixelBytes]);
-    });
+    const std::vector<std::vector<std::byte>> strips =
+        zlibStrips(frame.height, rowBytes + 1, kZlibLevel, [&](uint32_t y, unsigned char* to) {
+            *to++ = kFilterSub;
+            if (options.grey)
+                packRowGrey(frame, y, to);
+            else if (options.bits == 8)
+                packRow8(frame, y, options.alpha, to);
+            else
+                packRow16(frame, y, options.alpha, options.linear, to);
+            // Each byte minus that of the pixel before (PNG, 9.2).
+            for (size_t i = rowBytes - 1; i >= pixelBytes; --i) to[i] = static_cast<unsigned char>(to[i] - to[i - pixelBytes]);
+        });
     Failure failure;
     std::vector<std::string> keys;
     for (const auto& [key, value] : metadata) keys.push_back(textKey(key));
@@ -141,11 +142,10 @@ std::vector<std::byte> encodePng(const Frame& frame, const WriteOptions& options
     }
     png_set_write_fn(png, &bytes, append, flushNothing);
     png_set_user_limits(png, 0x7fffffff, 0x7fffffff);
-    png_set_IHDR(png, info, frame.width, frame.height, options.bits, colourType,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, frame.width, frame.height, options.bits, colourType, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
     if (options.linear && !options.grey) png_set_gAMA_fixed(png, info, PNG_FP_1);
-    if (!options.linear && !options.grey)
-        png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
+    if (!options.linear && !options.grey) png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
     if (!texts.empty()) png_set_text(png, info, texts.data(), int(texts.size()));
     png_write_info(png, info);
     for (const std::vector<std::byte>& strip : strips)
@@ -157,7 +157,7 @@ std::vector<std::byte> encodePng(const Frame& frame, const WriteOptions& options
 
 Frame readPng(const std::filesystem::path& path) {
     const std::string name = path.string();
-    struct stat st{};
+    struct stat st {};
     if (::stat(name.c_str(), &st) != 0) throw inputError(name, std::strerror(errno));
     if (!S_ISREG(st.st_mode)) throw inputError(name, "not a regular file");
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(name.c_str(), "rb"), std::fclose);

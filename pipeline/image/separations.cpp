@@ -11,8 +11,7 @@
 namespace plumb {
 
 const std::vector<std::string_view>& namesOf(Inks inks) {
-    static const std::vector<std::string_view> kThree = {"cyan", "magenta", "yellow"},
-                                               kFour = {"cyan", "magenta", "yellow", "black"};
+    static const std::vector<std::string_view> kThree = {"cyan", "magenta", "yellow"}, kFour = {"cyan", "magenta", "yellow", "black"};
     return inks == Inks::cmy ? kThree : kFour;
 }
 

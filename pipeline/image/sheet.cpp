@@ -37,7 +37,8 @@ Frame contactSheet(std::span<const Frame> frames, uint32_t columns, uint32_t bac
             const size_t to = (size_t(i / columns) * cellHeight + y) * sheet.width + size_t(i % columns) * cellWidth;
             std::copy_n(frames[i].rgba.begin() + ptrdiff_t(from), cellWidth, sheet.rgba.begin() + ptrdiff_t(to));
             if (linear)
-                std::copy_n(frames[i].linear.begin() + ptrdiff_t(from * 3), size_t(cellWidth) * 3, sheet.linear.begin() + ptrdiff_t(to * 3));
+                std::copy_n(frames[i].linear.begin() + ptrdiff_t(from * 3), size_t(cellWidth) * 3,
+                            sheet.linear.begin() + ptrdiff_t(to * 3));
         }
     }
     return sheet;

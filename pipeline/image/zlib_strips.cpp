@@ -40,8 +40,7 @@ std::vector<std::byte> deflated(std::vector<unsigned char>& raw, int level, bool
 std::vector<std::vector<std::byte>> zlibStrips(uint32_t rows, size_t rowBytes, int level,
                                                const std::function<void(uint32_t, unsigned char*)>& fillRow) {
     PLUMB_ASSERT(rows != 0 && rowBytes != 0);
-    const uint32_t stripRows = uint32_t(std::clamp<size_t>(kStripBytes / rowBytes, 1, rows)),
-                   strips = (rows + stripRows - 1) / stripRows;
+    const uint32_t stripRows = uint32_t(std::clamp<size_t>(kStripBytes / rowBytes, 1, rows)), strips = (rows + stripRows - 1) / stripRows;
     std::vector<std::vector<std::byte>> pieces(strips);
     std::vector<uLong> sums(strips);
     parallelBands(strips, 1, threadCount(0), [&](uint64_t begin, uint64_t end) {

@@ -3,9 +3,9 @@
 
 #include "host/error.h"
 
-#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <string_view>
 
@@ -65,11 +65,15 @@ void keep(Setting&) {}
 void drawAgain(Setting& s) { s.again = true; }
 
 // What people ask about a picture, first to last. What is missing here follows in the order of kAxes.
-constexpr const char* kAsked[] = {"samples", "shading", "trace-depth", "trace-cutoff", "ray-sampling", "specular", "light-vector", "normals", "rate", "fill", "interpolation", "depth"};
+constexpr const char* kAsked[] = {"samples",      "shading", "trace-depth", "trace-cutoff", "ray-sampling",  "specular",
+                                  "light-vector", "normals", "rate",        "fill",         "interpolation", "depth"};
 
 // In the order in which a picture is made, after the row that no picture needs.
 const std::vector<Axis> kAxes = {
-    {"control", "how far apart two measurements of one work come out", {{"default again", Verdict::bits, drawAgain, "the default picture once more: nothing but noise"}}, Scope::both},
+    {"control",
+     "how far apart two measurements of one work come out",
+     {{"default again", Verdict::bits, drawAgain, "the default picture once more: nothing but noise"}},
+     Scope::both},
     {"shading",
      "how a surface is lit",
      {{"wire", Verdict::bits, shade<Shading::wire>, "edges only"},
@@ -82,8 +86,10 @@ const std::vector<Axis> kAxes = {
     {"transform",
      "numbers in which vertices are projected",
      {{"fp32", Verdict::bits, trade<&Trade::numbers, Numbers::fp32>, "float32, from a composite matrix made in binary64"},
-      {"fp64", Verdict::bits, trade<&Trade::numbers, Numbers::fp64>, "binary64, rounded to float32 at its end; only where the device has it"},
-      {"block-integer", Verdict::bits, trade<&Trade::numbers, Numbers::blockInteger>, "integers with one exponent an object and a row, rounded to float32 at their end"}}},
+      {"fp64", Verdict::bits, trade<&Trade::numbers, Numbers::fp64>,
+       "binary64, rounded to float32 at its end; only where the device has it"},
+      {"block-integer", Verdict::bits, trade<&Trade::numbers, Numbers::blockInteger>,
+       "integers with one exponent an object and a row, rounded to float32 at their end"}}},
     {"subpixel",
      "bits of a vertex below the pixel",
      {{"8", Verdict::bits, trade<&Trade::subpixelBits, 8>, "vertices snapped to 1/256 px: off by 1/512 px at most"},
@@ -94,11 +100,13 @@ const std::vector<Axis> kAxes = {
       {"notes", Verdict::bits, fillBy<Fill::notes>, "the lecture notes' fill, against the truth at whole coordinates, which it samples"}}},
     {"interpolation",
      "how attributes run across a triangle",
-     {{"perspective", Verdict::bits, trade<&Trade::affine, false>, "weighted by 1/w"}, {"affine", Verdict::bits, trade<&Trade::affine, true>, "linear on the screen"}}},
+     {{"perspective", Verdict::bits, trade<&Trade::affine, false>, "weighted by 1/w"},
+      {"affine", Verdict::bits, trade<&Trade::affine, true>, "linear on the screen"}}},
     {"depth",
      "what the Z-buffer holds",
      {{"reversed-32", Verdict::bits, trade<&Trade::depthBits, 32>, "n/w as float32"},
-      {"standard-32", Verdict::bits, trade<&Trade::depthBits, Trade::kStandardDepth>, "1 - n/w as float32, the usual way round: off by less than 2^-24"},
+      {"standard-32", Verdict::bits, trade<&Trade::depthBits, Trade::kStandardDepth>,
+       "1 - n/w as float32, the usual way round: off by less than 2^-24"},
       {"24", Verdict::bits, trade<&Trade::depthBits, 24>, "n/w in fixed point: off by less than 2^-24"},
       {"16", Verdict::bits, trade<&Trade::depthBits, 16>, "n/w in fixed point: off by less than 2^-16"}}},
     {"normals",
@@ -108,24 +116,28 @@ const std::vector<Axis> kAxes = {
     {"light-vector",
      "where the directions to lights and eye are computed",
      {{"pixel", Verdict::bits, trade<&Trade::vectors, Vectors::pixel>, "at every pixel"},
-      {"vertex", Verdict::bits, trade<&Trade::vectors, Vectors::vertex>, "at the corners of what is drawn, interpolated, not made unit again"},
+      {"vertex", Verdict::bits, trade<&Trade::vectors, Vectors::vertex>,
+       "at the corners of what is drawn, interpolated, not made unit again"},
       {"face", Verdict::bits, trade<&Trade::vectors, Vectors::face>, "once a face, at its centre"},
       {"scene", Verdict::bits, trade<&Trade::vectors, Vectors::scene>, "one to the eye, and to each light from the framed centre"}}},
     {"specular",
      "the power of the highlight",
      {{"exact", Verdict::bits, trade<&Trade::specular, Specular::exact>, "polynomials of our own"},
-      {"schlick", Verdict::bits, trade<&Trade::specular, Specular::schlick>, "a quotient: at most 0.2037 above the power for exponents from 1"},
+      {"schlick", Verdict::bits, trade<&Trade::specular, Specular::schlick>,
+       "a quotient: at most 0.2037 above the power for exponents from 1"},
       {"native", Verdict::bounded, trade<&Trade::specular, Specular::native>, "the device's own pow: within a bound of the exact one"}}},
     {"rate",
      "pixels that are shaded",
-     {{"1", Verdict::bits, trade<&Trade::coarse, false>, "every one"}, {"1/2", Verdict::bits, trade<&Trade::coarse, true>, "one in 2x2, whose colour the others take"}}},
+     {{"1", Verdict::bits, trade<&Trade::coarse, false>, "every one"},
+      {"1/2", Verdict::bits, trade<&Trade::coarse, true>, "one in 2x2, whose colour the others take"}}},
     {"encode",
      "how light becomes bytes",
      {{"threshold", Verdict::bits, trade<&Trade::nativeEncode, false>, "the correctly rounded code, by 255 thresholds"},
       {"native", Verdict::bounded, trade<&Trade::nativeEncode, true>, "the device's own pow: at most one code off, next to a tie"}}},
     {"encoding",
      "the curve of the bytes",
-     {{"srgb", Verdict::bits, encode<Encoding::srgb>, "IEC 61966-2-1"}, {"linear", Verdict::bits, encode<Encoding::linear>, "bytes in proportion to light"}},
+     {{"srgb", Verdict::bits, encode<Encoding::srgb>, "IEC 61966-2-1"},
+      {"linear", Verdict::bits, encode<Encoding::linear>, "bytes in proportion to light"}},
      Scope::both},
     {"samples",
      "samples a pixel",
@@ -157,7 +169,10 @@ const std::vector<Axis> kAxes = {
       {"corners", Verdict::bits, sampleRays<RayChoices::Sampling::corners>, "the pixel's corners, each ray shared by four pixels"},
       {"adaptive", Verdict::bits, sampleRays<RayChoices::Sampling::adaptive>, "corners, and 16 samples where they differ"}},
      Scope::rays},
-    {"renderer", "what draws", {{"device", Verdict::bits, useDevice, "the Vulkan device"}, {"twin", Verdict::bits, useTwin, "the CPU twin on all threads"}}, Scope::both},
+    {"renderer",
+     "what draws",
+     {{"device", Verdict::bits, useDevice, "the Vulkan device"}, {"twin", Verdict::bits, useTwin, "the CPU twin on all threads"}},
+     Scope::both},
     {"threads",
      "threads of the CPU twin",
      {{"1", Verdict::bits, useThreads<1>, "one"}, {"2", Verdict::bits, useThreads<2>, "two"}, {"4", Verdict::bits, useThreads<4>, "four"}},
@@ -178,15 +193,22 @@ std::string wordsOf(const Setting& s) {
     static constexpr const char* kNumbers[] = {"fp32", "block-integer", "fp64"};
     static constexpr const char* kVectors[] = {"pixel", "vertex", "face", "scene"};
     static constexpr const char* kSpeculars[] = {"exact", "schlick", "native"};
-    const std::string depth = t.depthBits == 32 ? "reversed-32" : t.depthBits == Trade::kStandardDepth ? "standard-32" : std::to_string(t.depthBits);
-    const std::string machine = (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device") + (s.again ? " again" : "");
+    const std::string depth = t.depthBits == 32                      ? "reversed-32"
+                              : t.depthBits == Trade::kStandardDepth ? "standard-32"
+                                                                     : std::to_string(t.depthBits);
+    const std::string machine =
+        (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device") + (s.again ? " again" : "");
     if (r.shading == Shading::ray)
-        return fmt::format("shading=ray encoding={} samples={} trace-depth={} trace-cutoff={} ray-sampling={} {}", r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, r.maxDepth, r.minWeight,
-                           nameOf(r.rays.sampling), machine);
-    return fmt::format("shading={} fill={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} transform={} normals={} rate={} encode={} {}",
-                       kShadings[size_t(r.shading)], r.fill == Fill::notes ? "notes" : "exact", r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, kSpeculars[size_t(t.specular)],
-                       kVectors[size_t(t.vectors)], t.affine ? "affine" : "perspective", depth, t.subpixelBits,
-                       kNumbers[size_t(t.numbers)], t.unitNormals ? "normalised" : "as-interpolated", t.coarse ? "1/2" : "1", t.nativeEncode ? "native" : "threshold", machine);
+        return fmt::format("shading=ray encoding={} samples={} trace-depth={} trace-cutoff={} ray-sampling={} {}",
+                           r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, r.maxDepth, r.minWeight, nameOf(r.rays.sampling),
+                           machine);
+    return fmt::format(
+        "shading={} fill={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} transform={} "
+        "normals={} rate={} encode={} {}",
+        kShadings[size_t(r.shading)], r.fill == Fill::notes ? "notes" : "exact", r.encoding == Encoding::srgb ? "srgb" : "linear",
+        r.samples, kSpeculars[size_t(t.specular)], kVectors[size_t(t.vectors)], t.affine ? "affine" : "perspective", depth, t.subpixelBits,
+        kNumbers[size_t(t.numbers)], t.unitNormals ? "normalised" : "as-interpolated", t.coarse ? "1/2" : "1",
+        t.nativeEncode ? "native" : "threshold", machine);
 }
 
 std::span<const Axis> axes() { return kAxes; }
@@ -218,7 +240,8 @@ void apply(Setting& setting, const std::string& axisName, const std::string& cho
         if (choice.apply != nullptr && choiceName == choice.name) return choice.apply(setting);
         if (choice.apply != nullptr) accepted += (accepted.empty() ? "" : ", ") + std::string(choice.name);
     }
-    throw usageError(fmt::format("'{}={}' is refused; accepted for {}: {}", axisName, choiceName, axisName, accepted.empty() ? "nothing in this version" : accepted));
+    throw usageError(fmt::format("'{}={}' is refused; accepted for {}: {}", axisName, choiceName, axisName,
+                                 accepted.empty() ? "nothing in this version" : accepted));
 }
 
 const Axis& axisOf(const std::string& name) {

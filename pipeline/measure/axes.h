@@ -14,8 +14,8 @@ namespace plumb {
 // One way to draw the scene.
 struct Setting {
     RenderRequest request;
-    bool twin = false;  // the CPU twin draws, not the device
-    bool again = false; // the default picture once more: no other work
+    bool twin = false;   // the CPU twin draws, not the device
+    bool again = false;  // the default picture once more: no other work
 };
 
 // The choices of a setting as words: equal words, equal work.

@@ -21,16 +21,17 @@ constexpr double kArithmeticError = 0x1p-32;
 constexpr double kStoredError = 0x1p-23;
 
 struct PixelBound {
-    double most = 0;     // of its channels, as FrameError::perPixel
+    double most = 0;              // of its channels, as FrameError::perPixel
     double sum = 0, squares = 0;  // of all channels
-    bool any = false;    // the channel with the most may have any code
+    bool any = false;             // the channel with the most may have any code
 };
 
 PixelBound boundAt(const Frame& base, const Truth& truth, bool transparent, const ColourMoves& moves, double last, size_t at) {
     PixelBound p;
     for (size_t c = 0; c < 3; ++c) {
         const double value = double(base.linear[3 * at + c]), exact = srgbCode(truth.linear[3 * at + c]);
-        const double low = std::max(0.0, srgbCode(value - moves.darker(at, c)) - last), high = std::min(kFullScale, srgbCode(value + moves.brighter(at, c)) + last);
+        const double low = std::max(0.0, srgbCode(value - moves.darker(at, c)) - last),
+                     high = std::min(kFullScale, srgbCode(value + moves.brighter(at, c)) + last);
         const double off = std::max({high - exact, exact - low, 0.0}) + kArithmeticError;
         if (off > p.most) {
             p.most = off;
@@ -52,7 +53,8 @@ PixelBound boundAt(const Frame& base, const Truth& truth, bool transparent, cons
 
 std::string ErrorBound::why() const {
     std::string names;
-    for (const auto& [name, value] : {std::pair("max", max), std::pair("mean", mean), std::pair("rms", rms), std::pair("p99", p99), std::pair("choice.linear", linear)})
+    for (const auto& [name, value] :
+         {std::pair("max", max), std::pair("mean", mean), std::pair("rms", rms), std::pair("p99", p99), std::pair("choice.linear", linear)})
         if (value == kNoBound) names += (names.empty() ? "" : ", ") + std::string(name);
     return names.empty() ? "" : (empty() ? "" : names + ": ") + "no bound below full scale";
 }
@@ -102,7 +104,8 @@ std::optional<BoundBreach> breachOf(const FrameError& error, const ErrorBound& b
         if (!number) return worst;
     }
     const ErrorFigures& e = error.picture;
-    const std::tuple<const char*, double, double> figures[] = {{"max", e.max, bound.max}, {"p99", e.p99, bound.p99}, {"mean", e.mean, bound.mean}, {"rms", e.rms, bound.rms}};
+    const std::tuple<const char*, double, double> figures[] = {
+        {"max", e.max, bound.max}, {"p99", e.p99, bound.p99}, {"mean", e.mean, bound.mean}, {"rms", e.rms, bound.rms}};
     for (const auto& [name, off, most] : figures)
         if ((std::isnan(off) || std::isnan(most)) || (!worst && !(off <= most))) return BoundBreach{name, e.x, e.y, off, most};
     return worst;
@@ -112,11 +115,13 @@ std::optional<BoundBreach> breachOfMoves(const Frame& base, const Frame& frame, 
     PLUMB_ASSERT(base.linear.size() == frame.linear.size());
     std::optional<BoundBreach> worst;
     for (size_t i = 0; i < base.linear.size(); ++i) {
-        const double off = double(frame.linear[i]) - double(base.linear[i]), most = off < 0 ? moves.darker(i / 3, i % 3) : moves.brighter(i / 3, i % 3);
+        const double off = double(frame.linear[i]) - double(base.linear[i]),
+                     most = off < 0 ? moves.darker(i / 3, i % 3) : moves.brighter(i / 3, i % 3);
         if (std::abs(off) <= most) continue;
         const bool number = !std::isnan(off) && !std::isnan(most);
         if (!worst || !number || std::abs(off) - most > worst->error - worst->bound)
-            worst = BoundBreach{"linear", uint32_t(i / 3 % frame.width), uint32_t(i / 3 / frame.width), std::abs(off), most, "of linear light"};
+            worst =
+                BoundBreach{"linear", uint32_t(i / 3 % frame.width), uint32_t(i / 3 / frame.width), std::abs(off), most, "of linear light"};
         if (!number) break;
     }
     return worst;

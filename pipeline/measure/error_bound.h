@@ -20,8 +20,12 @@ class ColourMoves {
 public:
     ColourMoves(const glm::dvec3& brighter, const glm::dvec3& darker) : brighterAll_(brighter), darkerAll_(darker) {}
     ColourMoves(std::vector<float> brighter, std::vector<float> darker) : brighter_(std::move(brighter)), darker_(std::move(darker)) {}
-    double brighter(size_t pixel, size_t channel) const { return brighter_.empty() ? brighterAll_[glm::length_t(channel)] : double(brighter_[3 * pixel + channel]); }
-    double darker(size_t pixel, size_t channel) const { return darker_.empty() ? darkerAll_[glm::length_t(channel)] : double(darker_[3 * pixel + channel]); }
+    double brighter(size_t pixel, size_t channel) const {
+        return brighter_.empty() ? brighterAll_[glm::length_t(channel)] : double(brighter_[3 * pixel + channel]);
+    }
+    double darker(size_t pixel, size_t channel) const {
+        return darker_.empty() ? darkerAll_[glm::length_t(channel)] : double(darker_[3 * pixel + channel]);
+    }
 
 private:
     glm::dvec3 brighterAll_{0}, darkerAll_{0};
@@ -32,8 +36,8 @@ private:
 struct ErrorBound {
     static constexpr double kNoBound = std::numeric_limits<double>::infinity();
     double max = 0, mean = 0, rms = 0, p99 = 0;
-    double linear = 0;  // what the choice may add, in linear light; kNoBound from full scale on
-    double steps = 0;   // and in steps of the code, after that
+    double linear = 0;             // what the choice may add, in linear light; kNoBound from full scale on
+    double steps = 0;              // and in steps of the code, after that
     std::vector<double> perPixel;  // 0 where neither picture nor truth shows anything
     // Nothing is said by any figure.
     bool empty() const { return max == kNoBound && mean == kNoBound && rms == kNoBound && p99 == kNoBound && linear == kNoBound; }
@@ -46,7 +50,7 @@ struct ErrorBound {
 ErrorBound errorBoundOf(const Frame& base, const Truth& truth, bool transparent, const ColourMoves& moves, double steps);
 
 struct BoundBreach {
-    std::string figure;  // max, mean, rms, p99 or linear
+    std::string figure;     // max, mean, rms, p99 or linear
     uint32_t x = 0, y = 0;  // the pixel that is furthest beyond its own bound; of mean and rms, the one with the largest error
     double error = 0, bound = 0;
     const char* unit = "steps of 1/255";

@@ -26,7 +26,8 @@ std::vector<std::pair<long long, long long>> errorsOf(std::span<const FrontPoint
         const long long own = stepsOf(point.errorAtItsSamples);
         long long most = stepsOf(point.errorAtMostSamples);
         for (const FrontPoint& other : points)
-            if (other.samples == point.samples && stepsOf(other.errorAtItsSamples) <= own) most = std::max(most, stepsOf(other.errorAtMostSamples));
+            if (other.samples == point.samples && stepsOf(other.errorAtItsSamples) <= own)
+                most = std::max(most, stepsOf(other.errorAtMostSamples));
         errors.emplace_back(most, own);
     }
     return errors;

@@ -7,15 +7,15 @@
 #include "pipeline/render/bound.h"
 #include "pipeline/scene/sha256.h"
 
-#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <string>
+#include <cstdint>
 #include <map>
 #include <numeric>
 #include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -154,7 +154,9 @@ private:
         return found->second ? &*found->second : nullptr;
     }
     // Places of a picture's own samples.
-    static Sampling placesOf(const RenderRequest& request) { return request.shading == Shading::ray ? request.rays.sampling : Sampling::grid; }
+    static Sampling placesOf(const RenderRequest& request) {
+        return request.shading == Shading::ray ? request.rays.sampling : Sampling::grid;
+    }
     bool hasTruthOf(const RenderRequest& request) const {
         return truths_.count({request.samples, request.fill, request.samples, placesOf(request)}) != 0;
     }
@@ -201,7 +203,8 @@ private:
 
     void cutRun(size_t i, double neededMs) {
         out_.runs[i].cut = true;
-        out_.runs[i].cutWhy = fmt::format("about {:.1f} s were needed, {:.1f} s were left", neededMs / 1000, std::max(0.0, leftMs()) / 1000);
+        out_.runs[i].cutWhy =
+            fmt::format("about {:.1f} s were needed, {:.1f} s were left", neededMs / 1000, std::max(0.0, leftMs()) / 1000);
     }
 
     // ms that the errors of a run take, and the rounds of all runs with it, from what others took. No choice is cut on a guess that it is slower: its draws
@@ -248,8 +251,7 @@ private:
     void takeErrorsOf(size_t i) {
         MeasuredRun& run = out_.runs[i];
         Setting full = run.setting;
-        if (full.request.shading != Shading::wire)
-            full.request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
+        if (full.request.shading != Shading::wire) full.request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
         const std::optional<RenderResult> result = drawnOf(i, full);
         if (!result) return;
         run.rays = result->counters.rays;
@@ -352,8 +354,9 @@ private:
         std::optional<BoundBreach> breach = breachOfMoves(baseFrame_, frame, moves);
         if (!breach) breach = breachOf(*run.error, bound, frame.width);
         if (breach)
-            throw renderError(fmt::format("'{}' at pixel ({}, {}): {} is {:.6g} {}, beyond its proved bound {:.6g}", nameOf(run), breach->x, breach->y,
-                                          breach->figure == "linear" ? "the change" : "error." + breach->figure, breach->error, breach->unit, breach->bound));
+            throw renderError(fmt::format("'{}' at pixel ({}, {}): {} is {:.6g} {}, beyond its proved bound {:.6g}", nameOf(run), breach->x,
+                                          breach->y, breach->figure == "linear" ? "the change" : "error." + breach->figure, breach->error,
+                                          breach->unit, breach->bound));
         bound.perPixel.clear();
         run.boundWhy = bound.why();
         if (!bound.empty()) run.bound = std::move(bound);
@@ -423,8 +426,7 @@ private:
                 run.total.ms.push_back(results[i].totalMs);
                 estimates_[i] = std::accumulate(run.total.ms.begin(), run.total.ms.end(), 0.0) / double(run.total.ms.size());
                 for (const PassTime& time : results[i].times) {
-                    auto place = std::find_if(run.passes.begin(), run.passes.end(),
-                                              [&](const auto& p) { return p.first == time.pass; });
+                    auto place = std::find_if(run.passes.begin(), run.passes.end(), [&](const auto& p) { return p.first == time.pass; });
                     if (place == run.passes.end()) place = run.passes.insert(run.passes.end(), {time.pass, {}});
                     place->second.ms.push_back(time.ms);
                 }
@@ -489,14 +491,18 @@ private:
         std::vector<size_t> front = frontAmong(all);
         std::map<const Axis*, std::vector<size_t>> axisFront;
         for (const auto& [axis, runs] : ofAxis) axisFront[axis] = frontAmong(runs);
-        const auto holds = [](const std::vector<size_t>& runs, size_t run) { return std::find(runs.begin(), runs.end(), run) != runs.end(); };
+        const auto holds = [](const std::vector<size_t>& runs, size_t run) {
+            return std::find(runs.begin(), runs.end(), run) != runs.end();
+        };
         for (Row& row : out_.rows) {
             row.onFront = row.run && holds(front, *row.run);
             row.onAxisFront = row.run && holds(axisFront[row.axis], *row.run);
         }
-        std::stable_sort(front.begin(), front.end(), [&](size_t a, size_t b) { return *out_.runs[a].total.median() < *out_.runs[b].total.median(); });
+        std::stable_sort(front.begin(), front.end(),
+                         [&](size_t a, size_t b) { return *out_.runs[a].total.median() < *out_.runs[b].total.median(); });
         for (const size_t run : front)
-            out_.front.push_back(size_t(std::find_if(out_.rows.begin(), out_.rows.end(), [&](const Row& row) { return row.run == run; }) - out_.rows.begin()));
+            out_.front.push_back(size_t(std::find_if(out_.rows.begin(), out_.rows.end(), [&](const Row& row) { return row.run == run; }) -
+                                        out_.rows.begin()));
     }
 
     void finish() {
@@ -529,13 +535,13 @@ private:
     std::map<std::tuple<uint32_t, Fill, uint32_t, Sampling>, std::optional<Truth>> truths_;
     Frame baseFrame_;  // the default picture
     std::optional<BoundOfRays> raysBound_;
-    std::vector<double> estimates_;  // ms of one draw of each run; 0: not drawn yet
+    std::vector<double> estimates_;       // ms of one draw of each run; 0: not drawn yet
     std::vector<std::string> passNames_;  // of each run, in the order in which they ran
-    std::vector<double> restMs_;     // what errors took beside two draws, of each run that has them
-    double truthMs_ = 0;             // the most that a truth took, a sample a pixel
+    std::vector<double> restMs_;          // what errors took beside two draws, of each run that has them
+    double truthMs_ = 0;                  // the most that a truth took, a sample a pixel
     double truthsOfDefaultMs_ = 0;
-    double told_ = 0;                // progress
-    bool late_ = false;              // the limit ended a draw
+    double told_ = 0;    // progress
+    bool late_ = false;  // the limit ended a draw
 };
 
 }  // namespace

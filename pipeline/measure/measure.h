@@ -49,19 +49,21 @@ struct MeasuredRun {
     Setting setting;
     Times total;  // host time of a whole render, upload and readback included
     std::vector<std::pair<std::string, Times>> passes;
-    std::optional<RatioInterval> ratio;  // of each round's time to the default's in the same round; none of fewer than kLeastForMedian rounds
-    Told told = Told::notApart;          // what `ratio` says
-    std::optional<FrameError> error;  // against the truth of the most samples; none for a wire frame, or where the limit left no time for that truth
-    std::optional<FrameError> alike;  // against the truth at the picture's own samples
-    std::optional<ErrorBound> bound;  // of `error`; none for the default picture itself. Below full scale, and `error` is within it
-    std::string boundWhy;             // no bound, or none of some figures: why
-    std::optional<Rounding> rounding; // what float32 costs by itself
-    std::vector<uint32_t> rgba;       // keepPictures
+    std::optional<RatioInterval>
+        ratio;                   // of each round's time to the default's in the same round; none of fewer than kLeastForMedian rounds
+    Told told = Told::notApart;  // what `ratio` says
+    std::optional<FrameError>
+        error;  // against the truth of the most samples; none for a wire frame, or where the limit left no time for that truth
+    std::optional<FrameError> alike;   // against the truth at the picture's own samples
+    std::optional<ErrorBound> bound;   // of `error`; none for the default picture itself. Below full scale, and `error` is within it
+    std::string boundWhy;              // no bound, or none of some figures: why
+    std::optional<Rounding> rounding;  // what float32 costs by itself
+    std::vector<uint32_t> rgba;        // keepPictures
     std::vector<RenderCounters::RayCounts> rays;  // by depth; of a traced picture
-    std::string refused;              // what the renderer says who does not draw this scene so; then it is cut, and its rows are absent
-    bool cut = false;                 // the limit left no time for it
-    std::string cutWhy;               // and what it would have needed
-    std::string bytes;                // SHA-256 of the picture
+    std::string refused;  // what the renderer says who does not draw this scene so; then it is cut, and its rows are absent
+    bool cut = false;     // the limit left no time for it
+    std::string cutWhy;   // and what it would have needed
+    std::string bytes;    // SHA-256 of the picture
 };
 
 struct Row {
@@ -76,14 +78,14 @@ struct Row {
 
 struct Measurement {
     std::vector<MeasuredRun> runs;  // the first is the default picture, the second the default again
-    std::vector<Row> rows;  // the default again, then in the order of the axes; those that were cut are in `cut` instead
+    std::vector<Row> rows;          // the default again, then in the order of the axes; those that were cut are in `cut` instead
     std::vector<Row> cut;
-    std::vector<size_t> front;  // rows, by rising time; a run that several rows share stands once. Empty below kLeastForMedian rounds
-    std::optional<Truth> truth;    // with the fill of the default picture, of mostSamples(); none: the limit left no time for it
-    uint32_t repetitions = 0;   // rounds, each with every row that was not cut
-    size_t comparisons = 0;     // runs that were timed beside the default
-    double miss = 0;            // chance that one row's interval misses; missOf()
-    bool limitKept = true;      // false: the default picture alone took longer
+    std::vector<size_t> front;   // rows, by rising time; a run that several rows share stands once. Empty below kLeastForMedian rounds
+    std::optional<Truth> truth;  // with the fill of the default picture, of mostSamples(); none: the limit left no time for it
+    uint32_t repetitions = 0;    // rounds, each with every row that was not cut
+    size_t comparisons = 0;      // runs that were timed beside the default
+    double miss = 0;             // chance that one row's interval misses; missOf()
+    bool limitKept = true;       // false: the default picture alone took longer
     double totalMs = 0;
 };
 

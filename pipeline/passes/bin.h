@@ -22,18 +22,18 @@ TileLists binCpu(const gpu::BinPush& push, std::span<const gpu::DrawTriangle> dr
 struct BinBuffers {
     const Buffer<gpu::DrawTriangle>& draws;
     const Buffer<gpu::ScreenVertex>& screen;
-    const Buffer<PlacedTriangle>& listed;   // what is walked when the set-up pass has binned the small ones; otherwise all draws are
+    const Buffer<PlacedTriangle>& listed;  // what is walked when the set-up pass has binned the small ones; otherwise all draws are
     const Buffer<glm::uvec4>& strips;
-    const Buffer<uint32_t>& tiles;          // counts; cleared by the caller, or as the set-up pass left them
+    const Buffer<uint32_t>& tiles;  // counts; cleared by the caller, or as the set-up pass left them
     const Buffer<uint32_t>& entries;
-    const Buffer<uint32_t>& walkMarks;      // a word a walked triangle
-    const Buffer<uint32_t>& stripMarks;     // a word a strip
+    const Buffer<uint32_t>& walkMarks;   // a word a walked triangle
+    const Buffer<uint32_t>& stripMarks;  // a word a strip
 };
 struct BinCounts {
     uint32_t walked = 0;
     bool listed = false;
     uint32_t strips = 0;
-    bool wide = false;                      // some triangle needs the 64-bit set-up
+    bool wide = false;  // some triangle needs the 64-bit set-up
 };
 void recordBin(Recorder& recorder, gpu::BinPush push, const BinCounts& counts, const Specialization& exact, const BinBuffers& buffers);
 

@@ -36,8 +36,10 @@ TileLists binCpu(const gpu::BinPush& push, std::span<const gpu::DrawTriangle> dr
                     }
                     if (!touched) continue;
                     const size_t tile = size_t(ty) * push.tilesX + tx;
-                    if (step == 0) ++lists.counts[tile];
-                    else lists.entries[next[tile]++] = d;
+                    if (step == 0)
+                        ++lists.counts[tile];
+                    else
+                        lists.entries[next[tile]++] = d;
                 }
         }
         if (step == 0) {

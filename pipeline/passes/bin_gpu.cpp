@@ -13,8 +13,8 @@ void recordBin(Recorder& recorder, gpu::BinPush push, const BinCounts& counts, c
         constants["kWide"] = strips && counts.wide;
         push.itemCount = count;
         recorder.dispatch(label, spirv::bin, count, push,
-                          {texels("draws", b.draws, View::texelU32x4), texels("screen", b.screen, View::texelU32x4), items, storage("Tiles", b.tiles),
-                           storage("Entries", b.entries), storage("Spills", marks)},
+                          {texels("draws", b.draws, View::texelU32x4), texels("screen", b.screen, View::texelU32x4), items,
+                           storage("Tiles", b.tiles), storage("Entries", b.entries), storage("Spills", marks)},
                           constants);
     };
     record("bin", counts.walked, texels("items", b.listed, View::texelU32x2), b.walkMarks, false);

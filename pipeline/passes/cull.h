@@ -25,7 +25,7 @@ struct PlacedTriangle {
 
 // The host's step between cull and set-up, the same for device and twin: places in the draw list, clip jobs, counts.
 struct DrawPlaces {
-    std::vector<uint32_t> places;        // a CullRecord's first place
+    std::vector<uint32_t> places;  // a CullRecord's first place
     std::vector<gpu::ClipJob> jobs;
     std::vector<PlacedTriangle> large;   // large or wide: binned in strips
     std::vector<PlacedTriangle> medium;  // that a binning set-up leaves to the bin pass
@@ -49,12 +49,12 @@ void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides,
 // `given`: clip-space x, y, w that a more accurate transform left; empty, unused: worked out again in float32.
 // Writes the corners to screen and carried at job.vertex, the fan to draws at job.place; kinds[job] = wide | drawn << 1.
 void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std::span<const glm::uvec4> triangles,
-             std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects,
-             std::span<gpu::ScreenVertex> screen, std::span<glm::vec4> carried, std::span<gpu::DrawTriangle> draws,
-             std::span<uint32_t> kinds, uint32_t threads, std::span<const glm::vec4> given = {});
+             std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects, std::span<gpu::ScreenVertex> screen,
+             std::span<glm::vec4> carried, std::span<gpu::DrawTriangle> draws, std::span<uint32_t> kinds, uint32_t threads,
+             std::span<const glm::vec4> given = {});
 void recordClip(Recorder& recorder, const gpu::ClipPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,
-                const Buffer<glm::vec4>& positions, const Buffer<gpu::ObjectRecord>& objects,
-                const Buffer<gpu::ClipJob>& jobs, const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried,
-                const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& kinds, const Buffer<glm::vec4>* given = nullptr);
+                const Buffer<glm::vec4>& positions, const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::ClipJob>& jobs,
+                const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried, const Buffer<gpu::DrawTriangle>& draws,
+                const Buffer<uint32_t>& kinds, const Buffer<glm::vec4>* given = nullptr);
 
 }  // namespace plumb

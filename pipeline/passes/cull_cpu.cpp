@@ -44,9 +44,15 @@ void cullCpu(const gpu::CullPush& push, std::span<const glm::uvec4> triangles, s
                 }
                 const glm::ivec2 p0 = placeOf(a), p1 = placeOf(b), p2 = placeOf(c);
                 switch (gpu::classify(p0, p1, p2, push.frame, push.cullBackFaces)) {
-                    case gpu::kOutside: r.outside |= bit; break;
-                    case gpu::kBackFacing: r.backFacing |= bit; break;
-                    case gpu::kZeroArea: r.zeroArea |= bit; break;
+                    case gpu::kOutside:
+                        r.outside |= bit;
+                        break;
+                    case gpu::kBackFacing:
+                        r.backFacing |= bit;
+                        break;
+                    case gpu::kZeroArea:
+                        r.zeroArea |= bit;
+                        break;
                     default: {
                         r.drawn |= bit;
                         const glm::ivec2 extent = gpu::highest(p0, p1, p2) - gpu::lowest(p0, p1, p2);
@@ -108,8 +114,10 @@ void listDrawn(std::span<const gpu::CullRecord> records, std::span<uint32_t> sou
         }
         for (uint32_t left = records[lane].drawn | clip; left; left &= left - 1) {
             const uint32_t bit = uint32_t(std::countr_zero(left));
-            if ((clip >> bit & 1) == 0) *to++ = first + bit;
-            else to = std::fill_n(to, gpu::kClipFan, gpu::kNoTriangle);
+            if ((clip >> bit & 1) == 0)
+                *to++ = first + bit;
+            else
+                to = std::fill_n(to, gpu::kClipFan, gpu::kNoTriangle);
         }
     }
     PLUMB_ASSERT(to == sources.data() + sources.size());
@@ -133,9 +141,9 @@ void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places
 }
 
 void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std::span<const glm::uvec4> triangles,
-             std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects,
-             std::span<gpu::ScreenVertex> screen, std::span<glm::vec4> carried, std::span<gpu::DrawTriangle> draws,
-             std::span<uint32_t> kinds, uint32_t threads, std::span<const glm::vec4> given) {
+             std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects, std::span<gpu::ScreenVertex> screen,
+             std::span<glm::vec4> carried, std::span<gpu::DrawTriangle> draws, std::span<uint32_t> kinds, uint32_t threads,
+             std::span<const glm::vec4> given) {
     parallelBands(jobs.size(), 64, threads, [&](uint64_t begin, uint64_t end) {
         std::vector<gpu::ClipVertex> polygon, next;
         for (uint64_t j = begin; j < end; ++j) {
@@ -145,8 +153,8 @@ void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std:
             for (int i = 0; i < 3; ++i) {
                 const uint32_t v = triangles[job.triangle][i];
                 const glm::vec3 p(positions[v]);
-                polygon.push_back({gpu::rowTimesPoint(o.rowX, p), gpu::rowTimesPoint(o.rowY, p), gpu::rowTimesPoint(o.rowW, p),
-                                   glm::vec3(carried[v])});
+                polygon.push_back(
+                    {gpu::rowTimesPoint(o.rowX, p), gpu::rowTimesPoint(o.rowY, p), gpu::rowTimesPoint(o.rowW, p), glm::vec3(carried[v])});
                 if (!given.empty()) polygon.back() = {given[v].x, given[v].y, given[v].z, polygon.back().carried};
             }
             for (int plane = 0; plane < gpu::kClipPlanes; ++plane) {
@@ -175,8 +183,8 @@ void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std:
                     gpu::classify(place[0], place[i + 1], place[i + 2], push.frame, push.cullBackFaces) == gpu::kDrawn) {
                     d = gpu::drawTriangle(job.vertex, job.vertex + i + 1, job.vertex + i + 2, place[0], place[i + 1], place[i + 2],
                                           job.triangle);
-                    const glm::ivec2 extent = gpu::highest(place[0], place[i + 1], place[i + 2]) -
-                                              gpu::lowest(place[0], place[i + 1], place[i + 2]);
+                    const glm::ivec2 extent =
+                        gpu::highest(place[0], place[i + 1], place[i + 2]) - gpu::lowest(place[0], place[i + 1], place[i + 2]);
                     kind |= gpu::isNarrow(extent.x, extent.y) ? 0 : 1;
                     kind += 2;
                 }

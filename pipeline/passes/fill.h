@@ -20,18 +20,19 @@ struct FillChoices {
     uint32_t shading = gpu::kShadingPhong;
     gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
     bool oneMaterial = false;
-    uint32_t lightCount = 0, lightKinds = 0;   // few lights: their number and kinds (shared/fill.h); 0: as many as there are
-    bool affine = false;                 // attributes without perspective
-    uint32_t depthBits = 32;             // 32: float32; gpu::kDepthStandard: float32 of 1 - n/w; 16, 24: fixed point
-    bool unitNormals = true;             // false: as interpolated
-    uint32_t vectors = gpu::kVectorsPixel; // where directions are made (shared/vectors.h): else lightCount and lightKinds are stated, not coarse, not native
-    bool coarse = false;                 // Phong: one shaded pixel in 2 x 2
+    uint32_t lightCount = 0, lightKinds = 0;  // few lights: their number and kinds (shared/fill.h); 0: as many as there are
+    bool affine = false;                      // attributes without perspective
+    uint32_t depthBits = 32;                  // 32: float32; gpu::kDepthStandard: float32 of 1 - n/w; 16, 24: fixed point
+    bool unitNormals = true;                  // false: as interpolated
+    uint32_t vectors = gpu::
+        kVectorsPixel;    // where directions are made (shared/vectors.h): else lightCount and lightKinds are stated, not coarse, not native
+    bool coarse = false;  // Phong: one shaded pixel in 2 x 2
     uint32_t encoding = gpu::kEncodeSrgb;
-    uint32_t planes = 0;                 // gpu::kFillPlane bits that the plane buffer holds
-    uint32_t write = 0;                  // of these: to write
+    uint32_t planes = 0;  // gpu::kFillPlane bits that the plane buffer holds
+    uint32_t write = 0;   // of these: to write
     bool prior = false, wide = false, colour = true;
-    bool one = false;                    // every list of the dispatch has one entry
-    uint32_t subgroupSize = 0;           // device: 0 = every invocation sets up every triangle; else shared by shuffles
+    bool one = false;           // every list of the dispatch has one entry
+    uint32_t subgroupSize = 0;  // device: 0 = every invocation sets up every triangle; else shared by shuffles
 };
 
 // What the transform leaves for these choices. `always`: world normals whatever the shading (normal plane).
@@ -57,7 +58,9 @@ inline uint32_t kindsOf(std::span<const gpu::LightRecord> lights) {
     return kinds;
 }
 // Lights that a dispatch adds up.
-inline uint32_t lightsPerWindow(const FillChoices& choices) { return choices.vectors == gpu::kVectorsPixel ? gpu::kLightsPerWindow : gpu::kUnrolledLights; }
+inline uint32_t lightsPerWindow(const FillChoices& choices) {
+    return choices.vectors == gpu::kVectorsPixel ? gpu::kLightsPerWindow : gpu::kUnrolledLights;
+}
 
 // Twin, first half: z bits (of `depthBits`) and drawn triangle + 1 (0: none) of every pixel of a frame.
 void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen,
@@ -72,7 +75,7 @@ struct FillBuffers {
     const Buffer<gpu::DrawTriangle>& draws;
     const Buffer<gpu::ScreenVertex>& screen;
     const Buffer<glm::vec4>& carried;
-    const Buffer<glm::uvec4>& tiles;     // tile x | y << 16, first entry, entries
+    const Buffer<glm::uvec4>& tiles;  // tile x | y << 16, first entry, entries
     const Buffer<uint32_t>& entries;
     const Buffer<uint32_t>& triangleMaterials;
     const Buffer<gpu::MaterialRecord>& materials;
@@ -80,8 +83,8 @@ struct FillBuffers {
     const Buffer<uint32_t>& encodeTable;
     const Buffer<glm::uvec4>& colours;
     const Buffer<glm::uvec4>& planes;
-    const Buffer<glm::vec4>& places;     // of triangles: centres of their faces; kVectorsFace
-    uint64_t firstColour = 0, colourCount = 0;   // the band's part of colours; 0: all
+    const Buffer<glm::vec4>& places;            // of triangles: centres of their faces; kVectorsFace
+    uint64_t firstColour = 0, colourCount = 0;  // the band's part of colours; 0: all
 };
 // Begins to make the pipeline of a recordFill with these choices.
 void prepareFill(Recorder& recorder, const FillChoices& choices, bool distantViewer, const Specialization& exact);

@@ -34,8 +34,8 @@ struct Geometry {
     }
     // E_i - bias_i at a pixel centre.
     int64_t edge(int i, int64_t pixelX, int64_t pixelY) const {
-        return a[i] * (pixelX * gpu::kSubpixels + gpu::kHalfPixel - x[i]) +
-               b[i] * (pixelY * gpu::kSubpixels + gpu::kHalfPixel - y[i]) - bias[i];
+        return a[i] * (pixelX * gpu::kSubpixels + gpu::kHalfPixel - x[i]) + b[i] * (pixelY * gpu::kSubpixels + gpu::kHalfPixel - y[i]) -
+               bias[i];
     }
     float whole(int i, int64_t px, int64_t py) const { return float(edge(i, px, py) >> gpu::kSubpixelBits); }
     float rho(int i) const { return float((edge(i, 0, 0) & 255) + bias[i]) * 0.00390625f; }
@@ -51,9 +51,12 @@ struct Geometry {
             // a 256 x >= rest  <=>  edge(i, x, row) >= 0
             const int64_t rest = -edge(i, 0, row);
             const int64_t step = a[i] * gpu::kSubpixels;
-            if (step > 0) first = std::max(first, ceilDivide(rest, step));
-            else if (step < 0) last = std::min(last, floorDivide(-rest, -step));
-            else if (rest > 0) return {1, 0};
+            if (step > 0)
+                first = std::max(first, ceilDivide(rest, step));
+            else if (step < 0)
+                last = std::min(last, floorDivide(-rest, -step));
+            else if (rest > 0)
+                return {1, 0};
         }
         return {first, last};
     }
@@ -205,8 +208,10 @@ void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoice
             const size_t from = choices.coarse ? shaded(at) : at;
             if (from == at || unitNormal) shade(at, colour, unitNormal);
             if (from == at) continue;
-            if (from >= begin * frame.width && from < at) std::copy_n(&linear[3 * from], 3, colour);
-            else shade(from, colour, nullptr);
+            if (from >= begin * frame.width && from < at)
+                std::copy_n(&linear[3 * from], 3, colour);
+            else
+                shade(from, colour, nullptr);
         }
     });
 }

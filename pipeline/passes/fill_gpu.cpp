@@ -62,14 +62,20 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
                 const FillBuffers& b, uint32_t firstTile) {
     const uint64_t tileOffset = uint64_t(firstTile) * sizeof(glm::uvec4);
     std::vector<Binding> bindings = {
-        texels("draws", b.draws, View::texelU32x4), texels("screen", b.screen, View::texelU32x4), texels("carried", b.carried, View::texelF32x4),
+        texels("draws", b.draws, View::texelU32x4),
+        texels("screen", b.screen, View::texelU32x4),
+        texels("carried", b.carried, View::texelF32x4),
         texels("tileRecords", b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
-        texels("entries", b.entries, View::texelU32), texels("triangleMaterials", b.triangleMaterials, View::texelU32),
-        texels("materials", b.materials, View::texelF32x4), texels("lights", b.lights, View::texelF32x4),
-        texels("encodeTable", b.encodeTable, View::texelU32), storage("Colours", b.colours, b.firstColour, b.colourCount),
+        texels("entries", b.entries, View::texelU32),
+        texels("triangleMaterials", b.triangleMaterials, View::texelU32),
+        texels("materials", b.materials, View::texelF32x4),
+        texels("lights", b.lights, View::texelF32x4),
+        texels("encodeTable", b.encodeTable, View::texelU32),
+        storage("Colours", b.colours, b.firstColour, b.colourCount),
         storage("Planes", b.planes)};
     if (choices.vectors != gpu::kVectorsPixel) bindings.push_back(texels("places", b.places, View::texelF32x4));
-    recorder.dispatch("fill", moduleOf(choices), uint64_t(push.tileCount) * 8, push, bindings, constantsOf(choices, push.toward != glm::vec3(0), exact));
+    recorder.dispatch("fill", moduleOf(choices), uint64_t(push.tileCount) * 8, push, bindings,
+                      constantsOf(choices, push.toward != glm::vec3(0), exact));
 }
 
 }  // namespace plumb

@@ -15,11 +15,10 @@ constexpr uint32_t kLightedPointsPerDispatch = uint32_t(1) << 22;
 
 }  // namespace
 
-void recordIlluminate(Recorder& recorder, const gpu::IlluminatePush& push, const gpu::ShadeParts& parts,
-                      const Specialization& exact, const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals,
-                      const Buffer<uint32_t>& pointMaterials, const Buffer<gpu::ObjectRecord>& objects,
-                      const Buffer<gpu::MaterialRecord>& materials, const Buffer<gpu::LightRecord>& lights,
-                      const Buffer<glm::vec4>& colours) {
+void recordIlluminate(Recorder& recorder, const gpu::IlluminatePush& push, const gpu::ShadeParts& parts, const Specialization& exact,
+                      const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals, const Buffer<uint32_t>& pointMaterials,
+                      const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::MaterialRecord>& materials,
+                      const Buffer<gpu::LightRecord>& lights, const Buffer<glm::vec4>& colours) {
     Specialization constants = exact;
     constants["kDiffuse"] = parts.diffuse;
     constants["kSpecular"] = parts.specular;
@@ -35,11 +34,12 @@ void recordIlluminate(Recorder& recorder, const gpu::IlluminatePush& push, const
         for (uint32_t first = 0; first < push.pointCount; first += points) {
             part.firstPoint = push.firstPoint + first;
             part.pointCount = std::min(points, push.pointCount - first);
-            recorder.dispatch("illuminate", native ? spirv::illuminate_native : spirv::illuminate, (uint64_t(part.pointCount) + 3) / 4, part,
-                              {texels("positions", positions, View::texelF32x4), texels("normals", normals, View::texelF32x4),
-                               texels("pointMaterials", pointMaterials, View::texelU32), storage("Objects", objects), texels("materials", materials, View::texelF32x4),
-                               texels("lights", lights, View::texelF32x4), storage("Colours", colours)},
-                              constants);
+            recorder.dispatch(
+                "illuminate", native ? spirv::illuminate_native : spirv::illuminate, (uint64_t(part.pointCount) + 3) / 4, part,
+                {texels("positions", positions, View::texelF32x4), texels("normals", normals, View::texelF32x4),
+                 texels("pointMaterials", pointMaterials, View::texelU32), storage("Objects", objects),
+                 texels("materials", materials, View::texelF32x4), texels("lights", lights, View::texelF32x4), storage("Colours", colours)},
+                constants);
         }
     }
 }

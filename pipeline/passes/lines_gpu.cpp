@@ -10,10 +10,11 @@ void recordLines(Recorder& recorder, const gpu::LinesPush& push, const Specializ
     Specialization constants = exact;
     constants["kHidden"] = false;
     // edgeFaces and surfaces are not read: any buffer of the right kind will do.
-    recorder.dispatch("lines", spirv::lines, push.edgeCount, push,
-                      {texels("edges", edges, View::texelU32x2), texels("positions", positions, View::texelF32x4), storage("Objects", objects), storage("Owners", owners),
-                       texels("edgeFaces", edges, View::texelU32x2), texels("surfaces", edges, View::texelU32x2)},
-                      constants);
+    recorder.dispatch(
+        "lines", spirv::lines, push.edgeCount, push,
+        {texels("edges", edges, View::texelU32x2), texels("positions", positions, View::texelF32x4), storage("Objects", objects),
+         storage("Owners", owners), texels("edgeFaces", edges, View::texelU32x2), texels("surfaces", edges, View::texelU32x2)},
+        constants);
 }
 
 void recordHiddenLines(Recorder& recorder, const gpu::LinesPush& push, const Specialization& exact, const Buffer<glm::uvec2>& edges,
@@ -21,10 +22,11 @@ void recordHiddenLines(Recorder& recorder, const gpu::LinesPush& push, const Spe
                        const Buffer<uint32_t>& edgeFaces, const Buffer<glm::uvec2>& surfaces) {
     Specialization constants = exact;
     constants["kHidden"] = true;
-    recorder.dispatch("lines", spirv::lines, push.edgeCount, push,
-                      {texels("edges", edges, View::texelU32x2), texels("positions", positions, View::texelF32x4), storage("Objects", objects), storage("Owners", owners),
-                       texels("edgeFaces", edgeFaces, View::texelU32), texels("surfaces", surfaces, View::texelU32x2)},
-                      constants);
+    recorder.dispatch(
+        "lines", spirv::lines, push.edgeCount, push,
+        {texels("edges", edges, View::texelU32x2), texels("positions", positions, View::texelF32x4), storage("Objects", objects),
+         storage("Owners", owners), texels("edgeFaces", edgeFaces, View::texelU32), texels("surfaces", surfaces, View::texelU32x2)},
+        constants);
 }
 
 }  // namespace plumb

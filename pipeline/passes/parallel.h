@@ -11,9 +11,7 @@
 
 namespace plumb {
 
-inline uint32_t threadCount(uint32_t asked) {
-    return asked ? asked : std::max(1u, std::thread::hardware_concurrency());
-}
+inline uint32_t threadCount(uint32_t asked) { return asked ? asked : std::max(1u, std::thread::hardware_concurrency()); }
 
 // Calls body(begin, end) for consecutive bands of [0, count); bands hold at least `grain` items.
 template <class Body>

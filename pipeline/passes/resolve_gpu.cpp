@@ -13,7 +13,8 @@ void recordResolve(Recorder& recorder, const gpu::ResolvePush& push, uint32_t en
     constants["kEncoding"] = encoding;
     constants["kLinearOut"] = linearOut;
     recorder.dispatch("resolve", encoding == gpu::kEncodeNative ? spirv::resolve_native : spirv::resolve, push.pixelQuads, push,
-                      {texels("samplePlanes", samplePlanes, View::texelU32), texels("encodeTable", encodeTable, View::texelU32), storage("Colours", colours), storage("Linear", linear)},
+                      {texels("samplePlanes", samplePlanes, View::texelU32), texels("encodeTable", encodeTable, View::texelU32),
+                       storage("Colours", colours), storage("Linear", linear)},
                       constants);
 }
 

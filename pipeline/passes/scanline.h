@@ -18,7 +18,7 @@ struct ScanList {
     std::vector<gpu::ScanEdge> edges;
     std::vector<gpu::ScanPolygon> polygons;
     int width = 0, height = 0;
-    uint64_t spans = 0;  // lines of all polygons within the canvas
+    uint64_t spans = 0;   // lines of all polygons within the canvas
     bool zBuffer = true;  // false: what is painted later is seen
 
     // A convex polygon, corners in either sense around it, none beyond kScanFarthestPixel. Its table is made here; one that is less than
@@ -41,14 +41,13 @@ std::vector<gpu::ScanSpan> scanSpansCpu(const ScanList& list);
 
 // Polygons [first, end) that one dispatch of the second kernel may paint within its loop budget.
 uint32_t scanSliceEnd(const ScanList& list, uint32_t first);
-void recordScanSpans(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact,
-                     const Buffer<gpu::ScanPolygon>& polygons, const Buffer<gpu::ScanEdge>& edges,
-                     const Buffer<gpu::ScanCorner>& corners, const Buffer<gpu::ScanSpan>& spans);
-void recordScanPaint(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact,
-                     const Buffer<gpu::ScanPolygon>& polygons, const Buffer<gpu::ScanSpan>& spans,
-                     const Buffer<float>& z, const Buffer<uint32_t>& owner, const Buffer<glm::vec3>& carried);
+void recordScanSpans(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact, const Buffer<gpu::ScanPolygon>& polygons,
+                     const Buffer<gpu::ScanEdge>& edges, const Buffer<gpu::ScanCorner>& corners, const Buffer<gpu::ScanSpan>& spans);
+void recordScanPaint(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact, const Buffer<gpu::ScanPolygon>& polygons,
+                     const Buffer<gpu::ScanSpan>& spans, const Buffer<float>& z, const Buffer<uint32_t>& owner,
+                     const Buffer<glm::vec3>& carried);
 // Both kernels over the whole list; throws Error(failed) where the device has no room.
-ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list, const Specialization& exact,
-                       double watchdogMs, std::vector<gpu::ScanSpan>* spans);
+ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list, const Specialization& exact, double watchdogMs,
+                       std::vector<gpu::ScanSpan>* spans);
 
 }  // namespace plumb

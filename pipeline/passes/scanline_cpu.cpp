@@ -22,8 +22,13 @@ gpu::ScanEdge edgeFrom(const std::vector<gpu::ScanCorner>& corners, TableRow row
     const gpu::ScanCorner &top = corners[row.top], &bottom = corners[row.bottom];
     const int64_t height = bottom.y - top.y, across = bottom.x - top.x, moved = across * (line - top.y);
     const int64_t columns = floorOfQuotient(moved, height), columnStep = floorOfQuotient(across, height);
-    return {row.top, row.bottom, int(top.x + columns), uint32_t(moved - columns * height), int(columnStep),
-            uint32_t(across - columnStep * height), uint32_t(height)};
+    return {row.top,
+            row.bottom,
+            int(top.x + columns),
+            uint32_t(moved - columns * height),
+            int(columnStep),
+            uint32_t(across - columnStep * height),
+            uint32_t(height)};
 }
 
 }  // namespace
@@ -46,15 +51,13 @@ bool ScanList::add(std::span<const gpu::ScanCorner> polygon) {
     if (table.size() < 2) return false;
     if (bottom < 0 || top >= height || right < 0 || left >= width) return false;
     corners.insert(corners.end(), polygon.begin(), polygon.end());
-    std::stable_sort(table.begin(), table.end(),
-                     [&](const TableRow& a, const TableRow& b) { return corners[a.top].y < corners[b.top].y; });
+    std::stable_sort(table.begin(), table.end(), [&](const TableRow& a, const TableRow& b) { return corners[a.top].y < corners[b.top].y; });
     const int endLine = std::min(height, bottom + 1), endColumn = std::min(width, right + 1);
     for (int line = std::max(0, top); line < endLine; line += gpu::kScanBlock) {
         // Edges that end above the block have given way, as on the way down to it.
         size_t active[2] = {0, 1}, next = 2;
         const auto bottomOf = [&](size_t n) { return corners[table[active[n]].bottom].y; };
-        while (next < table.size() && std::min(bottomOf(0), bottomOf(1)) < line)
-            active[bottomOf(0) <= bottomOf(1) ? 0 : 1] = next++;
+        while (next < table.size() && std::min(bottomOf(0), bottomOf(1)) < line) active[bottomOf(0) <= bottomOf(1) ? 0 : 1] = next++;
         const uint32_t firstEdge = uint32_t(edges.size());
         // The first two start at their corner, each later one a line below it.
         const auto firstUse = [&](size_t n) { return std::max(line, corners[table[n].top].y + (n < 2 ? 0 : 1)); };
@@ -109,8 +112,7 @@ void walkLines(const ScanList& list, const gpu::ScanPolygon& p, const Body& body
 
 std::vector<gpu::ScanSpan> scanSpansCpu(const ScanList& list) {
     std::vector<gpu::ScanSpan> spans;
-    for (const gpu::ScanPolygon& p : list.polygons)
-        walkLines(list, p, [&](int, const gpu::ScanSpan& s) { spans.push_back(s); });
+    for (const gpu::ScanPolygon& p : list.polygons) walkLines(list, p, [&](int, const gpu::ScanSpan& s) { spans.push_back(s); });
     return spans;
 }
 

@@ -3,30 +3,32 @@
 
 #include "host/error.h"
 
-#include <algorithm>
 #include <fmt/core.h>
 #include <spirv/scanline.h>
 #include <spirv/scanpaint.h>
+#include <algorithm>
 #include <utility>
 
 namespace plumb {
 
-void recordScanSpans(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact,
-                     const Buffer<gpu::ScanPolygon>& polygons, const Buffer<gpu::ScanEdge>& edges,
-                     const Buffer<gpu::ScanCorner>& corners, const Buffer<gpu::ScanSpan>& spans) {
+void recordScanSpans(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact, const Buffer<gpu::ScanPolygon>& polygons,
+                     const Buffer<gpu::ScanEdge>& edges, const Buffer<gpu::ScanCorner>& corners, const Buffer<gpu::ScanSpan>& spans) {
     recorder.dispatch("scanline", spirv::scanline, push.polygonCount, push,
-                      {storage("Polygons", polygons), storage("Edges", edges), storage("Corners", corners), storage("Spans", spans)}, exact);
+                      {storage("Polygons", polygons), storage("Edges", edges), storage("Corners", corners), storage("Spans", spans)},
+                      exact);
 }
 
-void recordScanPaint(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact,
-                     const Buffer<gpu::ScanPolygon>& polygons, const Buffer<gpu::ScanSpan>& spans,
-                     const Buffer<float>& z, const Buffer<uint32_t>& owner, const Buffer<glm::vec3>& carried) {
+void recordScanPaint(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact, const Buffer<gpu::ScanPolygon>& polygons,
+                     const Buffer<gpu::ScanSpan>& spans, const Buffer<float>& z, const Buffer<uint32_t>& owner,
+                     const Buffer<glm::vec3>& carried) {
     recorder.dispatch("scanpaint", spirv::scanpaint, uint64_t(push.height), push,
-                      {storage("Polygons", polygons), storage("Spans", spans), storage("Depths", z), storage("Owners", owner), storage("Carried", carried)}, exact);
+                      {storage("Polygons", polygons), storage("Spans", spans), storage("Depths", z), storage("Owners", owner),
+                       storage("Carried", carried)},
+                      exact);
 }
 
-ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list, const Specialization& exact,
-                       double watchdogMs, std::vector<gpu::ScanSpan>* spansOut) {
+ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list, const Specialization& exact, double watchdogMs,
+                       std::vector<gpu::ScanSpan>* spansOut) {
     const uint64_t pixels = uint64_t(list.width) * uint64_t(list.height), range = device.limits().storageRangeBytes;
     const std::pair<const char*, uint64_t> needs[] = {{"pixels", pixels * sizeof(glm::vec3)},
                                                       {"lines", list.spans * sizeof(gpu::ScanSpan)},
@@ -34,9 +36,8 @@ ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list,
                                                       {"polygons", list.polygons.size() * sizeof(gpu::ScanPolygon)}};
     for (const auto& [what, bytes] : needs)
         if (bytes > range)
-            throw renderError(
-                fmt::format("--fill notes: {} of {} bytes exceed a binding of the device ({} bytes); the twin draws it",
-                            what, bytes, range));
+            throw renderError(fmt::format("--fill notes: {} of {} bytes exceed a binding of the device ({} bytes); the twin draws it", what,
+                                          bytes, range));
     ScanCanvas canvas;
     Buffer<float> z(device, pixels, "scanline Z");
     Buffer<uint32_t> owner(device, pixels, "scanline owners");
@@ -60,8 +61,8 @@ ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list,
         recordScanSpans(recorder, {0, 0, count, list.width, list.height, list.zBuffer}, exact, polygons, edges, corners, spans);
         for (uint32_t first = 0; first < count;) {
             const uint32_t end = scanSliceEnd(list, first);
-            recordScanPaint(recorder, {0, first, end - first, list.width, list.height, list.zBuffer}, exact, polygons, spans, z,
-                            owner, carried);
+            recordScanPaint(recorder, {0, first, end - first, list.width, list.height, list.zBuffer}, exact, polygons, spans, z, owner,
+                            carried);
             first = end;
         }
         recorder.run(watchdogMs);

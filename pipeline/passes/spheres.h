@@ -46,7 +46,7 @@ struct SphereCanvas {
 SphereCanvas spheresCpu(const SphereList& list, const SphereLight& light, uint32_t threads);
 
 // Throws Error(failed) where the device has no room.
-SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& list, const SphereLight& light,
-                        const Specialization& exact, double watchdogMs);
+SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& list, const SphereLight& light, const Specialization& exact,
+                        double watchdogMs);
 
 }  // namespace plumb

@@ -12,8 +12,7 @@
 namespace plumb {
 
 bool SphereList::add(const gpu::SphereDisc& d) {
-    if (d.column + d.reach < 0 || d.column - d.reach >= width || d.row + d.reach < 0 || d.row - d.reach >= height)
-        return false;
+    if (d.column + d.reach < 0 || d.column - d.reach >= width || d.row + d.reach < 0 || d.row - d.reach >= height) return false;
     discs.push_back(d);
     return true;
 }
@@ -27,13 +26,11 @@ void SphereList::close() {
         for (auto [y, last] = rowsOf(d); y <= last; ++y) ++counts[y + 1];
     for (size_t y = 0; y < size_t(height); ++y) {
         if (counts[y + 1] > uint64_t(gpu::kSpheresOfRow))
-            throw inputError("--fill notes",
-                             fmt::format("row {} of the picture meets {} spheres; at most {} are tried a pixel", y,
-                                         counts[y + 1], gpu::kSpheresOfRow));
+            throw inputError("--fill notes", fmt::format("row {} of the picture meets {} spheres; at most {} are tried a pixel", y,
+                                                         counts[y + 1], gpu::kSpheresOfRow));
         counts[y + 1] += counts[y];
     }
-    if (counts.back() > 0x7fffffffu)
-        throw inputError("--fill notes", "the spheres meet more than 2^31 rows of the picture");
+    if (counts.back() > 0x7fffffffu) throw inputError("--fill notes", "the spheres meet more than 2^31 rows of the picture");
     rowFirst.assign(counts.begin(), counts.end());
     rowDiscs.resize(counts.back());
     std::vector<uint32_t> next(rowFirst.begin(), rowFirst.end() - 1);
@@ -50,8 +47,7 @@ SphereCanvas spheresCpu(const SphereList& list, const SphereLight& light, uint32
     for (uint32_t number = 0; number < list.discs.size(); ++number) {
         const gpu::SphereDisc& d = list.discs[number];
         for (int row = std::max(0, d.row - d.reach); row <= std::min(list.height - 1, d.row + d.reach); ++row)
-            for (int column = std::max(0, d.column - d.reach); column <= std::min(list.width - 1, d.column + d.reach);
-                 ++column) {
+            for (int column = std::max(0, d.column - d.reach); column <= std::min(list.width - 1, d.column + d.reach); ++column) {
                 const int x = column - d.column, y = d.row - row;
                 if (!gpu::sphereCovers(d, x, y)) continue;
                 const size_t pixel = size_t(row) * size_t(list.width) + size_t(column);
@@ -66,13 +62,11 @@ SphereCanvas spheresCpu(const SphereList& list, const SphereLight& light, uint32
             if (canvas.owner[pixel] == gpu::kNoSphere) continue;
             const gpu::SphereDisc& d = list.discs[canvas.owner[pixel]];
             const int x = int(pixel % uint64_t(list.width)) - d.column, y = d.row - int(pixel / uint64_t(list.width));
-            const gpu::Surface surface =
-                gpu::sphereSurface(d, x, y, gpu::sphereHeight(d, x, y, light.wholeHeights), light.unit);
+            const gpu::Surface surface = gpu::sphereSurface(d, x, y, gpu::sphereHeight(d, x, y, light.wholeHeights), light.unit);
             const gpu::MaterialRecord& m = light.materials[d.material];
             gpu::Colour c{m.base.x, m.base.y, m.base.z};
             for (const gpu::LightRecord& l : light.lights)
-                gpu::addLight(glm::vec4(l.place, l.kind), glm::vec4(l.intensity, l.attenuation), surface,
-                              reflectanceOf(m), light.parts, c);
+                gpu::addLight(glm::vec4(l.place, l.kind), glm::vec4(l.intensity, l.attenuation), surface, reflectanceOf(m), light.parts, c);
             canvas.colour[pixel] = {c.r, c.g, c.b, 0.0f};
         }
     });

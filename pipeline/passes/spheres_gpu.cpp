@@ -26,17 +26,16 @@ Buffer<T> uploaded(Device& device, std::span<const T> from, const char* name) {
 
 }  // namespace
 
-SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& list, const SphereLight& light,
-                        const Specialization& exact, double watchdogMs) {
+SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& list, const SphereLight& light, const Specialization& exact,
+                        double watchdogMs) {
     const uint64_t pixels = uint64_t(list.width) * uint64_t(list.height), range = device.limits().storageRangeBytes;
     const std::pair<const char*, uint64_t> needs[] = {{"pixels", pixels * sizeof(glm::vec4)},
                                                       {"spheres", list.discs.size() * sizeof(gpu::SphereDisc)},
                                                       {"spheres of rows", list.rowDiscs.size() * sizeof(uint32_t)}};
     for (const auto& [what, bytes] : needs)
         if (bytes > range)
-            throw renderError(
-                fmt::format("--fill notes: {} of {} bytes exceed a binding of the device ({} bytes); the twin draws it",
-                            what, bytes, range));
+            throw renderError(fmt::format("--fill notes: {} of {} bytes exceed a binding of the device ({} bytes); the twin draws it", what,
+                                          bytes, range));
     Specialization constants = exact;
     constants["kDiffuse"] = light.parts.diffuse;
     constants["kSpecular"] = light.parts.specular;
@@ -62,13 +61,12 @@ SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& li
     while (push.firstRow < uint32_t(list.height)) {
         uint64_t work = workOf(push.firstRow);
         push.rowCount = 1;
-        while (push.firstRow + push.rowCount < uint32_t(list.height) &&
-               work + workOf(push.firstRow + push.rowCount) <= kWorkPerDispatch)
+        while (push.firstRow + push.rowCount < uint32_t(list.height) && work + workOf(push.firstRow + push.rowCount) <= kWorkPerDispatch)
             work += workOf(push.firstRow + push.rowCount++);
-        recorder.dispatch("spheres", native ? spirv::spheres_native : spirv::spheres,
-                          uint64_t(push.width) * push.rowCount, push,
-                          {storage("Discs", discs), storage("RowFirst", rowFirst), storage("RowDiscs", rowDiscs), texels("materials", materials, View::texelF32x4),
-                           texels("lights", lights, View::texelF32x4), storage("Depths", depth), storage("Owners", owner), storage("Colours", colour)},
+        recorder.dispatch("spheres", native ? spirv::spheres_native : spirv::spheres, uint64_t(push.width) * push.rowCount, push,
+                          {storage("Discs", discs), storage("RowFirst", rowFirst), storage("RowDiscs", rowDiscs),
+                           texels("materials", materials, View::texelF32x4), texels("lights", lights, View::texelF32x4),
+                           storage("Depths", depth), storage("Owners", owner), storage("Colours", colour)},
                           constants);
         push.firstRow += push.rowCount;
     }

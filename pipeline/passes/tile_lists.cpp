@@ -17,26 +17,21 @@ uint32_t roomOfTiles(uint64_t drawn, uint64_t tiles, uint64_t most) {
     return uint32_t(std::max<uint64_t>(1, std::min(room, most / tiles)));
 }
 
-glm::ivec4 boxInBand(const gpu::BinPush& push, const gpu::ScreenVertex& a, const gpu::ScreenVertex& b,
-                     const gpu::ScreenVertex& c) {
+glm::ivec4 boxInBand(const gpu::BinPush& push, const gpu::ScreenVertex& a, const gpu::ScreenVertex& b, const gpu::ScreenVertex& c) {
     const gpu::FrameBox& f = push.frame;
     const auto [lowX, highX] = std::minmax({a.x, b.x, c.x});
     const auto [lowY, highY] = std::minmax({a.y, b.y, c.y});
-    const int lastRow = std::min(gpu::lastPixel(highY) - f.firstRow, f.rows - 1),
-              lastColumn = std::min(gpu::lastPixel(highX), f.width - 1);
-    const int firstRow = std::max(gpu::firstPixel(lowY) - f.firstRow, 0),
-              firstColumn = std::max(gpu::firstPixel(lowX), 0);
+    const int lastRow = std::min(gpu::lastPixel(highY) - f.firstRow, f.rows - 1), lastColumn = std::min(gpu::lastPixel(highX), f.width - 1);
+    const int firstRow = std::max(gpu::firstPixel(lowY) - f.firstRow, 0), firstColumn = std::max(gpu::firstPixel(lowX), 0);
     if (lastRow < firstRow || lastColumn < firstColumn) return {0, 0, -1, -1};
-    return {firstColumn / gpu::kTileWidth, firstRow / gpu::kTileHeight, lastColumn / gpu::kTileWidth,
-            lastRow / gpu::kTileHeight};
+    return {firstColumn / gpu::kTileWidth, firstRow / gpu::kTileHeight, lastColumn / gpu::kTileWidth, lastRow / gpu::kTileHeight};
 }
 
 void addStrips(const gpu::BinPush& push, uint32_t place, glm::ivec4 box, std::vector<glm::uvec4>& strips) {
     PLUMB_ASSERT(box.z < int(push.tilesX) && box.w < int(push.tilesY));
     for (int y = box.y; y <= box.w; ++y)
         for (int x = box.x; x <= box.z; x += int(gpu::kStripTiles))
-            strips.emplace_back(place, uint32_t(x) | uint32_t(y) << 16,
-                                std::min(uint32_t(box.z - x + 1), gpu::kStripTiles), 0u);
+            strips.emplace_back(place, uint32_t(x) | uint32_t(y) << 16, std::min(uint32_t(box.z - x + 1), gpu::kStripTiles), 0u);
 }
 
 void CrowdedTiles::move(uint32_t tile, uint32_t to) {
@@ -83,8 +78,7 @@ void CrowdedTiles::addWalked(std::span<const uint32_t> marks, std::span<const Pl
 void CrowdedTiles::addStrips(std::span<const uint32_t> marks, std::span<const glm::uvec4> strips) {
     for (size_t i = 0; i < marks.size(); ++i)
         for (uint32_t left = marks[i]; left; left &= left - 1)
-            add((strips[i].y >> 16) * push_.tilesX + (strips[i].y & 0xffffu) + uint32_t(std::countr_zero(left)),
-                strips[i].x);
+            add((strips[i].y >> 16) * push_.tilesX + (strips[i].y & 0xffffu) + uint32_t(std::countr_zero(left)), strips[i].x);
 }
 
 }  // namespace plumb

@@ -15,42 +15,42 @@ namespace plumb {
 
 // What rays meet: in the passes' unit, relative to the eye. Objects count spheres first, then planes, then triangles.
 struct TraceScene {
-    std::vector<glm::vec4> spheres;            // centre, radius
-    std::vector<float> powers;                 // |centre|^2 - radius^2 of each sphere, rounded once
+    std::vector<glm::vec4> spheres;  // centre, radius
+    std::vector<float> powers;       // |centre|^2 - radius^2 of each sphere, rounded once
     std::vector<gpu::PlaneRecord> planes;
-    std::vector<uint32_t> surfaces;            // material of each sphere and plane
-    std::vector<glm::vec4> corners;            // two each: position, normal
-    std::vector<glm::uvec4> triangles;         // two each: corners and material, bits of the geometric normal
-    std::vector<glm::uvec4> nodes;             // of the tree: two words a child (tree.h)
-    std::vector<glm::uvec4> leaves;            // of the tree, three each
-    uint32_t depth = 0;                        // of the tree
-    float reach = 0;                           // largest |coordinate| of a corner
+    std::vector<uint32_t> surfaces;     // material of each sphere and plane
+    std::vector<glm::vec4> corners;     // two each: position, normal
+    std::vector<glm::uvec4> triangles;  // two each: corners and material, bits of the geometric normal
+    std::vector<glm::uvec4> nodes;      // of the tree: two words a child (tree.h)
+    std::vector<glm::uvec4> leaves;     // of the tree, three each
+    uint32_t depth = 0;                 // of the tree
+    float reach = 0;                    // largest |coordinate| of a corner
     std::vector<gpu::TraceMaterial> materials;
     std::vector<gpu::LightRecord> lights;
-    bool far = false;                          // some sphere is farther than 256 of its radii from something else
-    bool close = false;                        // the eye is within 1/16 radius of the surface of some sphere
-    bool branching = false;                    // some material has two children
+    bool far = false;        // some sphere is farther than 256 of its radii from something else
+    bool close = false;      // the eye is within 1/16 radius of the surface of some sphere
+    bool branching = false;  // some material has two children
 };
 
 struct TraceChoices {
     uint32_t encoding = gpu::kEncodeSrgb;
-    uint32_t planes = 0;                       // gpu::kTracePlane bits
-    bool colour = true;                        // leave the encoded sample
-    bool list = false;                         // keep waiting rays in a list; needed where a hit has two children
+    uint32_t planes = 0;  // gpu::kTracePlane bits
+    bool colour = true;   // leave the encoded sample
+    bool list = false;    // keep waiting rays in a list; needed where a hit has two children
     bool shadows = true;
     bool count = true;
-    uint32_t lanes = 0;                        // device: invocations of a subgroup that work together (DeviceLimits::subgroupShuffle); 0: none
-    bool tiles = false;                        // device: samples of whole rows, in tiles (push.tileRows); not with `list`
-    uint32_t sampling = gpu::kSampleGrid, side = 1;   // side: samples a pixel along an axis
-    std::span<const uint32_t> pixels;          // x | y << 16: the samples of these pixels alone, `side` rows of `side` a pixel; empty: of all
-    bool cutLevels = false;                    // colours in whole levels; no material has two children and no ray waits
+    uint32_t lanes = 0;  // device: invocations of a subgroup that work together (DeviceLimits::subgroupShuffle); 0: none
+    bool tiles = false;  // device: samples of whole rows, in tiles (push.tileRows); not with `list`
+    uint32_t sampling = gpu::kSampleGrid, side = 1;  // side: samples a pixel along an axis
+    std::span<const uint32_t> pixels;  // x | y << 16: the samples of these pixels alone, `side` rows of `side` a pixel; empty: of all
+    bool cutLevels = false;            // colours in whole levels; no material has two children and no ray waits
     float jitterMirror = 0, jitterPass = 0, jitterFeeler = 0;  // amounts of noise, at most 1/2
     gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
 };
 
 // What the twin leaves: one value a sample (three floats for linear and normal), row by row; normal may be empty.
 struct TraceOutput {
-    std::span<uint32_t> distance;              // bits; 0 where nothing is hit
+    std::span<uint32_t> distance;  // bits; 0 where nothing is hit
     std::span<uint32_t> object;
     std::span<float> linear;
     std::span<float> normal;
@@ -70,9 +70,9 @@ struct TraceBuffers {
     Buffer<glm::vec4> corners;
     Buffer<glm::uvec4> triangles, nodes, leaves;
     Buffer<uint32_t> encodeTable, pixels;
-    Buffer<uint32_t> colours, planeWords;      // of a band
-    Buffer<uint32_t> counters;                 // gpu::kCounters
-    Buffer<uint32_t> waiting, states;          // list form: of the samples of one dispatch
+    Buffer<uint32_t> colours, planeWords;  // of a band
+    Buffer<uint32_t> counters;             // gpu::kCounters
+    Buffer<uint32_t> waiting, states;      // list form: of the samples of one dispatch
 };
 
 // Samples that an invocation takes one after another: a tile has so many times two rows, and push.itemCount counts invocations.

@@ -55,14 +55,17 @@ public:
         glm::vec3 own(0);
         if (m.local > 0) {
             const glm::vec3 local = localColour(m, s, seen, ray, q, geometric, within);
-            if (choices_.cutLevels) own = gpu::wholeLevels(local) * m.local;
-            else colour = colour + local * (ray.weight * m.local);
+            if (choices_.cutLevels)
+                own = gpu::wholeLevels(local) * m.local;
+            else
+                colour = colour + local * (ray.weight * m.local);
         }
-        gpu::Children next = gpu::childrenOf(ray.direction, bends, within, m.reflect, m.transmit, m.index, m.inverseIndex,
-                                                   ray.weight, ray.depth, push_.maxDepth, push_.minWeight);
+        gpu::Children next = gpu::childrenOf(ray.direction, bends, within, m.reflect, m.transmit, m.index, m.inverseIndex, ray.weight,
+                                             ray.depth, push_.maxDepth, push_.minWeight);
         if (mesh) next.passDirection = gpu::onSideOf(next.passDirection, -geometric);
         const uint32_t mirrorKey = gpu::keyOfChild(ray.key, gpu::kCountReflected), passKey = gpu::keyOfChild(ray.key, gpu::kCountRefracted);
-        if (choices_.jitterMirror > 0) next.mirrorDirection = gpu::jittered(next.mirrorDirection, geometric, choices_.jitterMirror, mirrorKey);
+        if (choices_.jitterMirror > 0)
+            next.mirrorDirection = gpu::jittered(next.mirrorDirection, geometric, choices_.jitterMirror, mirrorKey);
         if (choices_.jitterPass > 0) next.passDirection = gpu::jittered(next.passDirection, geometric, choices_.jitterPass, passKey);
         glm::vec3 mirrored(0);
         if (next.mirror)
@@ -115,8 +118,10 @@ private:
             const glm::vec3 low = floatsOf(a), high = floatsOf(b);
             if (a.w == gpu::kNoChild) continue;
             if (!gpu::opens(gpu::entryOfBox(frame, low, high), gpu::exitOfBox(frame, low, high), longest())) continue;
-            if (a.w & gpu::kLeaf) visit(a.w & ~gpu::kLeaf, scene_.leaves[3 * size_t(a.w & ~gpu::kLeaf)].w);
-            else walk(a.w, frame, longest, visit);
+            if (a.w & gpu::kLeaf)
+                visit(a.w & ~gpu::kLeaf, scene_.leaves[3 * size_t(a.w & ~gpu::kLeaf)].w);
+            else
+                walk(a.w, frame, longest, visit);
         }
     }
 
@@ -124,8 +129,9 @@ private:
         Nearest best;
         if (!scene_.nodes.empty()) {
             const gpu::RayFrame frame = gpu::frameOfRay(ray.origin, ray.direction, scene_.reach);
-            walk(0, frame, [&] { return best.t; },
-                 [&](uint32_t, uint32_t i) { take(best, triangle(i, frame, firstTriangle() + i == ray.from).t, firstTriangle() + i); });
+            walk(
+                0, frame, [&] { return best.t; },
+                [&](uint32_t, uint32_t i) { take(best, triangle(i, frame, firstTriangle() + i == ray.from).t, firstTriangle() + i); });
         }
         for (size_t i = scene_.planes.size(); i-- > 0;) {
             const gpu::PlaneHit hit = plane(i, ray.origin, ray.direction, ray.from, ray.inside);
@@ -168,13 +174,14 @@ private:
         std::vector<std::pair<uint32_t, float>> blockers;  // triangles by their leaf
         if (!scene_.nodes.empty()) {
             const gpu::RayFrame frame = gpu::frameOfRay(q, feeler.direction, scene_.reach);
-            walk(0, frame, [&] { return feeler.reach; },
-                 [&](uint32_t leaf, uint32_t i) {
-                     if (!gpu::blocks(triangle(i, frame, firstTriangle() + i == from).t, feeler.reach)) return;
-                     const float slope = gpu::dot3(feeler.direction, floatsOf(scene_.triangles[2 * size_t(i) + 1]));
-                     const float share = scene_.materials[scene_.triangles[2 * size_t(i)].w].transmit;
-                     blockers.emplace_back(firstTriangle() + leaf, gpu::passesTriangle(share, slope));
-                 });
+            walk(
+                0, frame, [&] { return feeler.reach; },
+                [&](uint32_t leaf, uint32_t i) {
+                    if (!gpu::blocks(triangle(i, frame, firstTriangle() + i == from).t, feeler.reach)) return;
+                    const float slope = gpu::dot3(feeler.direction, floatsOf(scene_.triangles[2 * size_t(i) + 1]));
+                    const float share = scene_.materials[scene_.triangles[2 * size_t(i)].w].transmit;
+                    blockers.emplace_back(firstTriangle() + leaf, gpu::passesTriangle(share, slope));
+                });
         }
         for (size_t i = scene_.planes.size(); i-- > 0;) {
             const gpu::PlaneHit hit = plane(i, q, feeler.direction, from, inside);
@@ -196,8 +203,7 @@ private:
         const glm::vec3& d = ray.direction;
         gpu::Colour c{m.base.x, m.base.y, m.base.z};
         const gpu::Surface surface{n.x, n.y, n.z, -d.x, -d.y, -d.z, s.point.x, s.point.y, s.point.z};
-        const gpu::Reflectance k{m.diffuse.x,  m.diffuse.y,  m.diffuse.z, m.specular.x,
-                                 m.specular.y, m.specular.z, m.shininess, m.zeroPower};
+        const gpu::Reflectance k{m.diffuse.x, m.diffuse.y, m.diffuse.z, m.specular.x, m.specular.y, m.specular.z, m.shininess, m.zeroPower};
         for (size_t i = 0; i < scene_.lights.size(); ++i) {
             const gpu::LightRecord& light = scene_.lights[i];
             const glm::vec4 place(light.place, light.kind);
@@ -206,7 +212,8 @@ private:
             if (gpu::dot3(n, feeler.direction) > 0.0f && gpu::dot3(geometric, feeler.direction) > 0.0f) {
                 ++counters_[(ray.depth - 1) * gpu::kCountKinds + gpu::kCountFeelers];
                 if (choices_.jitterFeeler > 0)
-                    feeler.direction = gpu::jittered(feeler.direction, geometric, choices_.jitterFeeler, gpu::keyOfChild(ray.key, gpu::kFirstFeelerKey + uint32_t(i)));
+                    feeler.direction = gpu::jittered(feeler.direction, geometric, choices_.jitterFeeler,
+                                                     gpu::keyOfChild(ray.key, gpu::kFirstFeelerKey + uint32_t(i)));
                 share = choices_.shadows ? passed(q, feeler, seen.hit.object, within) : 1.0f;
             }
             gpu::addLight(place, glm::vec4(light.intensity * share, light.attenuation), surface, k, choices_.parts, c);
@@ -238,8 +245,9 @@ void traceCpu(const gpu::TracePush& push, const TraceScene& scene, const TraceCh
             }
             TwinRay ray;
             ray.key = gpu::keyOfSample(column, row, push.seed);
-            ray.direction = gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, gpu::columnOf(choices.sampling, column, choices.side, ray.key),
-                                                  gpu::rowOf(choices.sampling, row, choices.side, ray.key));
+            ray.direction =
+                gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, gpu::columnOf(choices.sampling, column, choices.side, ray.key),
+                                      gpu::rowOf(choices.sampling, row, choices.side, ray.key));
             glm::vec3 colour(0);
             const auto seen = tracer.follow(ray, colour);
             if (choices.cutLevels) colour = colour * gpu::kOneLevel;

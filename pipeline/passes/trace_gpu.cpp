@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/passes/trace.h"
 
-#include <algorithm>
-#include <bit>
 #include <spirv/trace.h>
 #include <spirv/trace_ballot.h>
+#include <algorithm>
+#include <bit>
 
 namespace plumb {
 
@@ -17,19 +17,23 @@ bool walksTogether(const TraceScene& scene, uint32_t lanes) {
 // Loops over so few spheres and planes unroll, and records of fewer stay in registers of each invocation, those of more in
 // the registers of a subgroup.
 constexpr size_t kUnrolledSpheres = 24, kUnrolledPlanes = 2, kHeldSpheres = 4;
-constexpr uint32_t kMostSamples = 4;      // of an invocation
-constexpr uint64_t kLoopSteps = 50000;    // of them all; lavapipe ends loops after 65,535
-constexpr size_t kFewLights = 4;          // feelers of more walk a tree alone: all those steps for one sample
+constexpr uint32_t kMostSamples = 4;    // of an invocation
+constexpr uint64_t kLoopSteps = 50000;  // of them all; lavapipe ends loops after 65,535
+constexpr size_t kFewLights = 4;        // feelers of more walk a tree alone: all those steps for one sample
 // Whether some hit may send on a ray of this share.
-bool sends(const gpu::TracePush& push, const TraceScene& scene, float gpu::TraceMaterial::* share) {
-    return push.maxDepth > 1 && std::any_of(scene.materials.begin(), scene.materials.end(), [&](const gpu::TraceMaterial& m) { return m.*share > 0; });
+bool sends(const gpu::TracePush& push, const TraceScene& scene, float gpu::TraceMaterial::*share) {
+    return push.maxDepth > 1 &&
+           std::any_of(scene.materials.begin(), scene.materials.end(), [&](const gpu::TraceMaterial& m) { return m.*share > 0; });
 }
 }  // namespace
 
 uint32_t samplesOfInvocation(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices) {
     if (!choices.tiles || choices.list) return 1;
     if (walksTogether(scene, choices.lanes))
-        return scene.lights.size() > kFewLights || sends(push, scene, &gpu::TraceMaterial::reflect) || sends(push, scene, &gpu::TraceMaterial::transmit) ? 1 : 2;
+        return scene.lights.size() > kFewLights || sends(push, scene, &gpu::TraceMaterial::reflect) ||
+                       sends(push, scene, &gpu::TraceMaterial::transmit)
+                   ? 1
+                   : 2;
     if (!scene.nodes.empty()) return 1;
     const uint64_t objects = scene.spheres.size() + scene.planes.size() + 2;
     const uint64_t steps = (objects + 1) * (scene.lights.size() + 1) * push.maxDepth;
@@ -72,16 +76,20 @@ void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScen
     constants["kDeep"] = scene.depth > choices.lanes;
     constants["kLongPaths"] = push.maxDepth > choices.lanes;
     constants["kTurns"] = samplesOfInvocation(push, scene, choices);
-    constants["kDims"] = std::any_of(scene.materials.begin(), scene.materials.end(), [](const gpu::TraceMaterial& m) { return m.transmit > 0; });
+    constants["kDims"] =
+        std::any_of(scene.materials.begin(), scene.materials.end(), [](const gpu::TraceMaterial& m) { return m.transmit > 0; });
     constants["kOneLight"] = scene.lights.size() == 1;
     constants["kOneBoard"] = planes == 1;
-    recorder.dispatch("trace", choices.lanes ? spirv::trace_ballot : spirv::trace, push.itemCount, push,
-                      {texels("spheres", b.spheres, View::texelF32x4), texels("boards", b.planes, View::texelF32x4), texels("surfaces", b.surfaces, View::texelU32),
-                       texels("materials", b.materials, View::texelF32x4), texels("lights", b.lights, View::texelF32x4), texels("encodeTable", b.encodeTable, View::texelU32),
-                       storage("Colours", b.colours), storage("Planes", b.planeWords), storage("Counters", b.counters), storage("Waiting", b.waiting), storage("States", b.states),
-                       texels("nodes", b.nodes, View::texelU32x4), texels("triangles", b.triangles, View::texelU32x4), texels("corners", b.corners, View::texelF32x4),
-                       texels("pixels", b.pixels, View::texelU32), texels("leaves", b.leaves, View::texelU32x4), texels("powers", b.powers, View::texelF32)},
-                      constants);
+    recorder.dispatch(
+        "trace", choices.lanes ? spirv::trace_ballot : spirv::trace, push.itemCount, push,
+        {texels("spheres", b.spheres, View::texelF32x4), texels("boards", b.planes, View::texelF32x4),
+         texels("surfaces", b.surfaces, View::texelU32), texels("materials", b.materials, View::texelF32x4),
+         texels("lights", b.lights, View::texelF32x4), texels("encodeTable", b.encodeTable, View::texelU32), storage("Colours", b.colours),
+         storage("Planes", b.planeWords), storage("Counters", b.counters), storage("Waiting", b.waiting), storage("States", b.states),
+         texels("nodes", b.nodes, View::texelU32x4), texels("triangles", b.triangles, View::texelU32x4),
+         texels("corners", b.corners, View::texelF32x4), texels("pixels", b.pixels, View::texelU32),
+         texels("leaves", b.leaves, View::texelU32x4), texels("powers", b.powers, View::texelF32)},
+        constants);
 }
 
 }  // namespace plumb

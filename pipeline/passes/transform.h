@@ -16,7 +16,7 @@ enum class Normals : uint32_t { none, direction, unit };
 
 // What the more accurate transforms read and leave: records of the objects, and clip-space x, y, w of the vertices.
 struct LongTransform {
-    Numbers numbers = Numbers::fp32;      // nothing else is read then
+    Numbers numbers = Numbers::fp32;  // nothing else is read then
     std::span<const gpu::LongRecord> records;
     std::span<glm::vec4> clipSpace;
 };
@@ -28,16 +28,16 @@ struct LongBuffers {
 
 // One object.
 void transformCpu(const gpu::TransformPush& push, Normals writeNormals, std::span<const glm::vec4> positions,
-                  std::span<const glm::vec4> normals, std::span<const gpu::ObjectRecord> objects,
-                  std::span<gpu::ScreenVertex> screen, std::span<glm::vec4> carried, uint32_t threads, const LongTransform& longer = {});
+                  std::span<const glm::vec4> normals, std::span<const gpu::ObjectRecord> objects, std::span<gpu::ScreenVertex> screen,
+                  std::span<glm::vec4> carried, uint32_t threads, const LongTransform& longer = {});
 
 void recordTransform(Recorder& recorder, const gpu::TransformPush& push, Normals writeNormals, const Specialization& exact,
-                     const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals,
-                     const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::ScreenVertex>& screen,
-                     const Buffer<glm::vec4>& carried);
+                     const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals, const Buffer<gpu::ObjectRecord>& objects,
+                     const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried);
 // The same in numbers other than fp32. Throws Error(usage) for fp64 on a device that has no binary64, or no exact one.
-void recordLongTransform(Recorder& recorder, Device& device, const gpu::TransformPush& push, Normals writeNormals, const Specialization& exact,
-                         const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals, const Buffer<gpu::ObjectRecord>& objects,
-                         const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried, const LongBuffers& longer);
+void recordLongTransform(Recorder& recorder, Device& device, const gpu::TransformPush& push, Normals writeNormals,
+                         const Specialization& exact, const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals,
+                         const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::ScreenVertex>& screen,
+                         const Buffer<glm::vec4>& carried, const LongBuffers& longer);
 
 }  // namespace plumb

@@ -84,7 +84,9 @@ private:
         }
     }
     // With `part` boxes for the first child and n - part for the second.
-    float parted(uint32_t at, uint32_t n, uint32_t part) const { return costs_[at + 1][part - 1] + costs_[pairs_[at].second][n - part - 1]; }
+    float parted(uint32_t at, uint32_t n, uint32_t part) const {
+        return costs_[at + 1][part - 1] + costs_[pairs_[at].second][n - part - 1];
+    }
     uint32_t bestPart(uint32_t at, uint32_t n) const {
         uint32_t best = 1;
         for (uint32_t part = 2; part < n; ++part)
@@ -108,8 +110,10 @@ private:
     void open(uint32_t at, uint32_t node, uint32_t next, uint32_t depth) {
         tree_.depth = std::max(tree_.depth, depth);
         std::vector<uint32_t> child;
-        if (pairs_[at].triangles == 1) child.push_back(at);
-        else part(at, gpu::kNodeChildren, child);
+        if (pairs_[at].triangles == 1)
+            child.push_back(at);
+        else
+            part(at, gpu::kNodeChildren, child);
         const auto distance = [&](uint32_t pair) {
             const glm::dvec3 centre = pairs_[pair].box.centre();
             return glm::dot(centre, centre);
@@ -127,8 +131,10 @@ private:
                 setChild(slot, p.box, inner);
                 open(child[k], inner, after, depth + 1);
             }
-            if (after == 0) last_.push_back(slot);
-            else setNext(slot, after);
+            if (after == 0)
+                last_.push_back(slot);
+            else
+                setNext(slot, after);
         }
     }
 

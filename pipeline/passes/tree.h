@@ -10,9 +10,9 @@
 namespace plumb {
 
 struct TriangleTree {
-    std::vector<glm::uvec4> nodes;   // gpu::kNodeChildren children a node, two words each (shaders/shared/trace.h)
-    std::vector<uint32_t> leaves;    // triangles in the order in which a walk from the first child to the last meets them
-    uint32_t depth = 0;              // most nodes one below another
+    std::vector<glm::uvec4> nodes;  // gpu::kNodeChildren children a node, two words each (shaders/shared/trace.h)
+    std::vector<uint32_t> leaves;   // triangles in the order in which a walk from the first child to the last meets them
+    uint32_t depth = 0;             // most nodes one below another
 };
 
 // `corners` are positions relative to the eye, three a triangle. Children whose boxes are nearer to the eye stand first, so primary rays meet

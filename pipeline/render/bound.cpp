@@ -29,15 +29,13 @@ ColourBound notProved(const char* why) {
     return bound;
 }
 
-bool isLit(const RenderRequest& request) {
-    return request.shading != Shading::unlit && request.shading != Shading::wire;
-}
+bool isLit(const RenderRequest& request) { return request.shading != Shading::unlit && request.shading != Shading::wire; }
 
 // What becomes of a pixel's normal that is interpolated between unit normals and not made unit, T, where the default's, D, is the unit vector of the
 // same sum with each corner's normal as long as the object's transform leaves it.
 struct NormalMove {
-    double length = 0;                 // T is at least this long, and at most 1
-    double turn = kHalfTurn;           // between T and D at most
+    double length = 0;        // T is at least this long, and at most 1
+    double turn = kHalfTurn;  // between T and D at most
     static constexpr double kHalfTurn = 3.14159265358979323846;
 };
 
@@ -88,7 +86,8 @@ double mostCosine(const dvec3& apex, const dvec3& axis, const dvec3 (&p)[3], dou
     double cosine = 1;
     for (const dvec3& t : toward) cosine = std::min(cosine, glm::dot(middle, t));
     if (!(cosine > 0)) return 1;
-    const double apart = std::acos(std::clamp(glm::dot(middle, axis), -1.0, 1.0)) - std::acos(std::min(cosine, 1.0)) - std::asin(aside / nearest);
+    const double apart =
+        std::acos(std::clamp(glm::dot(middle, axis), -1.0, 1.0)) - std::acos(std::min(cosine, 1.0)) - std::asin(aside / nearest);
     return std::cos(std::max(0.0, apart - 0x1p-20));
 }
 
@@ -100,8 +99,12 @@ public:
     };
 
     FaceMoves(const Scene& scene, const RenderRequest& request)
-        : scene_(scene), request_(request), list_(prepare(scene, request).list), places_(scene, request),
-          native_(request.trade.specular == Trade::Specular::native), rough_(request.trade.specular == Trade::Specular::schlick),
+        : scene_(scene),
+          request_(request),
+          list_(prepare(scene, request).list),
+          places_(scene, request),
+          native_(request.trade.specular == Trade::Specular::native),
+          rough_(request.trade.specular == Trade::Specular::schlick),
           shorter_(!request.trade.unitNormals && request.shading == Shading::phong) {}
 
     // Calls visit(object, face, move) for each triangle of a face that `wanted` says yes to.
@@ -115,7 +118,8 @@ public:
             const auto placeOf = [&](const auto& p) { return dvec3(toWorld * glm::dvec4(dvec3(p), 1)); };
             const auto normalOf = [&](const glm::vec4& v) {
                 const glm::vec3 n(v);
-                return dvec3(gpu::rowTimesVector(record.normal0, n), gpu::rowTimesVector(record.normal1, n), gpu::rowTimesVector(record.normal2, n));
+                return dvec3(gpu::rowTimesVector(record.normal0, n), gpu::rowTimesVector(record.normal1, n),
+                             gpu::rowTimesVector(record.normal2, n));
             };
             for (const TriangleMesh::Triangle& t : mesh.triangles) {
                 if (!wanted(range.sceneObject, t.face)) continue;
@@ -124,7 +128,8 @@ public:
                     // Flat shading lights a face at its centre, which need not lie on a triangle of it.
                     const bool flat = request_.shading == Shading::flat;
                     place[i] = flat ? placeOf(mesh.faceCentre[t.face]) : placeOf(mesh.positions[t.vertex[i]]);
-                    normal[i] = normalOf(flat ? list_.faceNormals[range.firstFace + t.face] : list_.normals[range.firstVertex + t.vertex[i]]);
+                    normal[i] =
+                        normalOf(flat ? list_.faceNormals[range.firstFace + t.face] : list_.normals[range.firstVertex + t.vertex[i]]);
                 }
                 visit(range.sceneObject, t.face, moveOf(scene_.materials[mesh.faceMaterial[t.face]], place, normal));
             }
@@ -144,7 +149,8 @@ private:
         for (const Light& light : scene_.lights) {
             const Side side = sideOf(light, place, normal, aside, kDirectionError / std::max(s, kDirectionError));
             if (side == Side::dark) continue;
-            const dvec3 reaches = dvec3(light.intensity) * fadeAt(light, light.directional ? kInfinity : places_.fromLamp(light.position, place));
+            const dvec3 reaches =
+                dvec3(light.intensity) * fadeAt(light, light.directional ? kInfinity : places_.fromLamp(light.position, place));
             if (!isFinite(reaches)) return {dvec3(kInfinity), dvec3(kInfinity)};
             const dvec3 shine = reaches * dvec3(m.specular);
             all += reaches * (dvec3(m.diffuse) + dvec3(m.specular));
@@ -185,10 +191,13 @@ private:
         const auto root = [&](double at) { return std::sqrt(std::max(0.0, 1 + s2 * s2 - 2 * s2 * at)); };
         double worst = 0, first = 0;
         for (int k = 1; k <= kIntervals; ++k) {  // of equal length in x^n
-            const double last = std::pow(double(k) / kIntervals, 1 / n), low = std::max(0.0, first - error), high = std::min(1.0, last + error);
+            const double last = std::pow(double(k) / kIntervals, 1 / n), low = std::max(0.0, first - error),
+                         high = std::min(1.0, last + error);
             const double steepest = s2 > 0 ? std::clamp(1 / (2 * s2), low, high) : high;
-            const double rise = (1 - s2) * std::max(0.0, s2 - low + root(low)), fall = (1 - s2) * std::max(0.0, steepest - s2 + root(steepest));
-            worst = std::max({worst, std::pow(std::min(1.0, high + rise), n) - double(k - 1) / kIntervals, double(k) / kIntervals - std::pow(std::max(0.0, low - fall), n)});
+            const double rise = (1 - s2) * std::max(0.0, s2 - low + root(low)),
+                         fall = (1 - s2) * std::max(0.0, steepest - s2 + root(steepest));
+            worst = std::max({worst, std::pow(std::min(1.0, high + rise), n) - double(k - 1) / kIntervals,
+                              double(k) / kIntervals - std::pow(std::max(0.0, low - fall), n)});
             first = last;
         }
         return std::min(anywhere, worst + kLeastPower);
@@ -205,7 +214,8 @@ private:
             const double length = glm::length(n);
             for (const dvec3& p : place) {
                 const dvec3 toward = light.directional ? light.direction : light.position - p;
-                const double margin = error * glm::length(toward) + (light.directional ? 0 : 2 * aside), cosine = glm::dot(n, toward) / length;
+                const double margin = error * glm::length(toward) + (light.directional ? 0 : 2 * aside),
+                             cosine = glm::dot(n, toward) / length;
                 allLit &= cosine > margin;
                 allDark &= cosine < -margin;
             }
@@ -248,20 +258,22 @@ private:
 void takeMoves(const Scene& scene, const RenderRequest& request, const Frame* shown, ColourBound& bound) {
     const FaceMoves moves(scene, request);
     if (shown == nullptr) {
-        moves.each([](uint32_t, uint32_t) { return true; }, [&](uint32_t, uint32_t, const FaceMoves::Move& move) {
-            bound.linear = glm::max(bound.linear, move.brighter);
-            bound.darker = glm::max(bound.darker, move.darker);
-        });
+        moves.each([](uint32_t, uint32_t) { return true; },
+                   [&](uint32_t, uint32_t, const FaceMoves::Move& move) {
+                       bound.linear = glm::max(bound.linear, move.brighter);
+                       bound.darker = glm::max(bound.darker, move.darker);
+                   });
     } else {
         std::unordered_map<uint64_t, FaceMoves::Move> faces;
         const auto key = [](uint32_t object, uint32_t face) { return uint64_t(object) << 32 | face; };
         for (size_t at = 0; at < shown->object.size(); ++at)
             if (shown->object[at] != kNone) faces[key(shown->object[at], shown->primitive[at])] = {};
-        moves.each([&](uint32_t object, uint32_t face) { return faces.count(key(object, face)) != 0; }, [&](uint32_t object, uint32_t face, const FaceMoves::Move& move) {
-            FaceMoves::Move& most = faces[key(object, face)];
-            most.brighter = glm::max(most.brighter, move.brighter);
-            most.darker = glm::max(most.darker, move.darker);
-        });
+        moves.each([&](uint32_t object, uint32_t face) { return faces.count(key(object, face)) != 0; },
+                   [&](uint32_t object, uint32_t face, const FaceMoves::Move& move) {
+                       FaceMoves::Move& most = faces[key(object, face)];
+                       most.brighter = glm::max(most.brighter, move.brighter);
+                       most.darker = glm::max(most.darker, move.darker);
+                   });
         bound.brighterAt.assign(3 * shown->object.size(), 0.0f);
         bound.darkerAt.assign(3 * shown->object.size(), 0.0f);
         for (size_t at = 0; at < shown->object.size(); ++at) {
@@ -275,8 +287,10 @@ void takeMoves(const Scene& scene, const RenderRequest& request, const Frame* sh
             }
         }
     }
-    if (isFinite(bound.linear)) bound.linear = glm::max(bound.linear, bound.darker);
-    else bound = notProved(kLampTouches);
+    if (isFinite(bound.linear))
+        bound.linear = glm::max(bound.linear, bound.darker);
+    else
+        bound = notProved(kLampTouches);
 }
 
 // The spheres of --fill notes: the device's power at the lamp's least distance from each, and two float32 evaluations of one sum of terms.

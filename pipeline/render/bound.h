@@ -13,11 +13,11 @@ namespace plumb {
 
 struct ColourBound {
     bool proved = true;
-    glm::dvec3 linear{0};  // at most this much in linear light, a channel, wherever both pictures show the same triangle
-    glm::dvec3 darker{0};  // toward black at most this much
+    glm::dvec3 linear{0};                     // at most this much in linear light, a channel, wherever both pictures show the same triangle
+    glm::dvec3 darker{0};                     // toward black at most this much
     std::vector<float> brighterAt, darkerAt;  // three a pixel, where a picture was given that shows which face is where
-    double steps = 0;  // and then at most so many steps of the stored code more
-    std::string why;   // not proved: which choice has no bound, one sentence
+    double steps = 0;                         // and then at most so many steps of the stored code more
+    std::string why;                          // not proved: which choice has no bound, one sentence
 };
 
 // Between a picture with the trade of `request` and the same with none. `shown`: either of them, of one sample a pixel, with its planes kPlaneObject and

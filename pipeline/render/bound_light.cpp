@@ -29,16 +29,15 @@ void eachTriangle(const Scene& scene, const Visit& visit) {
 // C. Ericson, Real-Time Collision Detection, 2005, 5.1.5.
 double distanceToTriangle(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
     const dvec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-    const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp),
-                 d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+    const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp), d5 = glm::dot(ab, cp),
+                 d6 = glm::dot(ac, cp);
     if (d1 <= 0 && d2 <= 0) return glm::length(ap);
     if (d3 >= 0 && d4 <= d3) return glm::length(bp);
     if (d6 >= 0 && d5 <= d6) return glm::length(cp);
     const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
     if (vc <= 0 && d1 >= 0 && d3 <= 0) return glm::length(ap - ab * (d1 / (d1 - d3)));
     if (vb <= 0 && d2 >= 0 && d6 <= 0) return glm::length(ap - ac * (d2 / (d2 - d6)));
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-        return glm::length(bp - (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))));
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return glm::length(bp - (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))));
     const double sum = va + vb + vc;
     return sum > 0 ? glm::length(ap - (ab * vb + ac * vc) / sum) : 0;
 }
@@ -77,13 +76,9 @@ LitPlaces::Extent LitPlaces::extentOf(const Corners& p) const {
     return e;
 }
 
-double LitPlaces::shift(const Extent& e) const {
-    return std::ldexp(e.reach, -20) + (traced_ ? 0 : e.most / focal_ * std::sqrt(2.0) / 512);
-}
+double LitPlaces::shift(const Extent& e) const { return std::ldexp(e.reach, -20) + (traced_ ? 0 : e.most / focal_ * std::sqrt(2.0) / 512); }
 
-double LitPlaces::alongRay(const Extent& e, double reach) const {
-    return traced_ ? 0 : reach * std::ldexp(12 * reach / e.least + 40, -24);
-}
+double LitPlaces::alongRay(const Extent& e, double reach) const { return traced_ ? 0 : reach * std::ldexp(12 * reach / e.least + 40, -24); }
 
 double fadeAt(const Light& light, double distance) {
     if (light.directional || light.attenuation == Attenuation::none) return 1;
@@ -95,7 +90,9 @@ std::vector<dvec3> mostLightOfMaterials(const Scene& scene, const RenderRequest&
     std::vector<dvec3> sum(scene.materials.size(), dvec3(0));
     for (const Light& light : scene.lights) {
         std::vector<double> nearest(scene.materials.size(), kInfinity);
-        const auto meet = [&](uint32_t material, double distance) { nearest[material] = std::min(nearest[material], std::max(0.0, distance)); };
+        const auto meet = [&](uint32_t material, double distance) {
+            nearest[material] = std::min(nearest[material], std::max(0.0, distance));
+        };
         if (!light.directional && light.attenuation != Attenuation::none) {
             eachTriangle(scene, [&](const glm::dmat4& toWorld, const TriangleMesh& mesh, const TriangleMesh::Triangle& t) {
                 dvec3 p[3];
@@ -104,10 +101,12 @@ std::vector<dvec3> mostLightOfMaterials(const Scene& scene, const RenderRequest&
             });
             // Rays meet these, too; a bounded plane is part of the whole one.
             for (const SphereShape& s : scene.spheres)
-                meet(s.material, std::abs(glm::length(s.centre - light.position) - s.radius) - std::ldexp(glm::length(s.centre - scene.camera->eye) + s.radius, -20));
+                meet(s.material, std::abs(glm::length(s.centre - light.position) - s.radius) -
+                                     std::ldexp(glm::length(s.centre - scene.camera->eye) + s.radius, -20));
             for (const PlaneShape& p : scene.planes)
                 for (const uint32_t material : {p.material, p.square > 0 ? p.otherMaterial : p.material})
-                    meet(material, std::abs(glm::dot(p.normal, light.position - p.point)) - std::ldexp(glm::length(light.position - scene.camera->eye), -20));
+                    meet(material, std::abs(glm::dot(p.normal, light.position - p.point)) -
+                                       std::ldexp(glm::length(light.position - scene.camera->eye), -20));
         }
         for (size_t m = 0; m < sum.size(); ++m) sum[m] += dvec3(light.intensity) * fadeAt(light, nearest[m]);
     }

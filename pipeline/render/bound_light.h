@@ -47,7 +47,8 @@ std::vector<glm::dvec3> mostLightOfMaterials(const Scene& scene, const RenderReq
 
 // The brightest that a surface of a material can be; N.L and the power are at most 1.
 inline glm::dvec3 brightestOf(const Scene& scene, const Material& m, const glm::dvec3& light) {
-    return glm::dvec3(m.ambient) * glm::dvec3(scene.ambient) + glm::dvec3(m.emission) + light * (glm::dvec3(m.diffuse) + glm::dvec3(m.specular));
+    return glm::dvec3(m.ambient) * glm::dvec3(scene.ambient) + glm::dvec3(m.emission) +
+           light * (glm::dvec3(m.diffuse) + glm::dvec3(m.specular));
 }
 
 inline constexpr const char* kLampTouches = "a light that fades with distance may touch a surface";

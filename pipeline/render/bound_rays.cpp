@@ -31,7 +31,8 @@ double mostRays(const Scene& scene, const RenderRequest& request) {
     }
     double count = 0;
     for (uint32_t k = 0; k < request.maxDepth; ++k) {
-        const double heavy = request.minWeight > 0 ? std::pow(sentOn, k) / double(request.minWeight) : std::numeric_limits<double>::infinity();
+        const double heavy =
+            request.minWeight > 0 ? std::pow(sentOn, k) / double(request.minWeight) : std::numeric_limits<double>::infinity();
         count += branching ? std::min(std::ldexp(1.0, int(k)), heavy) : 1;
     }
     return count;
@@ -82,7 +83,9 @@ BoundOfRays::Moves BoundOfRays::of(const RenderRequest& request) const {
     more.minWeight = std::min(base_.minWeight, other.minWeight);
     const auto same = [](const RenderRequest& a, const RenderRequest& b) { return a.maxDepth == b.maxDepth && a.minWeight == b.minWeight; };
     const bool baseIsMore = same(more, base_), otherIsMore = same(more, other);
-    const Glow otherGlow = same(other, base_) ? baseGlow_ : glowOf(other), moreGlow = baseIsMore ? baseGlow_ : otherIsMore ? otherGlow : glowOf(more);
+    const Glow otherGlow = same(other, base_) ? baseGlow_ : glowOf(other), moreGlow = baseIsMore    ? baseGlow_
+                                                                                      : otherIsMore ? otherGlow
+                                                                                                    : glowOf(more);
     // Both pictures and both glows round each of their sums to u of it.
     const double rounding = 4 * std::ldexp(moreGlow.rays + 128, -24);
     moves.brighter.resize(moreGlow.linear.size());

@@ -135,7 +135,8 @@ void DeviceRender::drawBands(PlaneWriter& writer, uint32_t planes, uint32_t chun
         for (uint32_t c = 0; c < chunks; ++c) {
             done_ = (double(firstRow) + double(band.rows) * c / chunks) / height;
             if (request_.onProgress && !request_.onProgress(done_)) throw Error(Exit::interrupted, "interrupted");
-            if (chunks > 1) part = chunkOf(list, c * chunkSize, std::min<uint32_t>(chunkSize, uint32_t(list.triangles.size()) - c * chunkSize));
+            if (chunks > 1)
+                part = chunkOf(list, c * chunkSize, std::min<uint32_t>(chunkSize, uint32_t(list.triangles.size()) - c * chunkSize));
             if (chunks > 1 || firstRow == 0) frame_.upload(chunks > 1 ? part : list);
             if (normalsApart(planes)) drawNormals(planes, c > 0);
             if (chunks > 1 || firstRow == 0 || normalsApart(planes)) {
@@ -224,8 +225,7 @@ void DeviceRender::readBand(PlaneWriter& writer, const gpu::FrameBox& band, uint
     for (uint32_t y = 0; y < rows; ++y)
         for (uint32_t x = 0; x < p_.width; ++x) {
             uint32_t samples = 0;
-            for (uint32_t k = 0; k < side * side; ++k)
-                samples += z[size_t(y * side + k / side) * samplePitch + x * side + k % side] != 0;
+            for (uint32_t k = 0; k < side * side; ++k) samples += z[size_t(y * side + k / side) * samplePitch + x * side + k % side] != 0;
             if (side > 1) out.coveredPixels += samples != 0;
             if (p_.choices.shading == gpu::kShadingPhong) result_.counters.illuminations += samples;
             const size_t at = size_t(y * side + side / 2) * samplePitch + x * side + side / 2;

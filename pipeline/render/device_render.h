@@ -17,7 +17,7 @@ public:
         result_.counters = p_.counters;
         listen();
     }
-    DeviceRender(const DeviceRender&) = delete;   // the recorder calls back
+    DeviceRender(const DeviceRender&) = delete;  // the recorder calls back
     DeviceRender& operator=(const DeviceRender&) = delete;
 
     // Nothing but colour, in one chunk that stays on the device; false when this picture needs more than that.
@@ -34,7 +34,7 @@ private:
 
     bool normalsApart(uint32_t planes) const;
 
-    uint64_t chunkTriangles(uint32_t planes) const;   // of one upload
+    uint64_t chunkTriangles(uint32_t planes) const;  // of one upload
     FillChoices colourChoices(uint32_t planes, bool prior) const;
     void drawColours(uint32_t planes, bool prior);
 
@@ -50,7 +50,7 @@ private:
     GpuFrame frame_;
     RenderResult result_;
     bool uploaded_ = false;
-    double done_ = 0;                     // share of the picture, for onProgress
+    double done_ = 0;  // share of the picture, for onProgress
 };
 
 }  // namespace plumb

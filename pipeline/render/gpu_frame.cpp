@@ -6,10 +6,10 @@
 #include "pipeline/passes/tile_lists.h"
 #include "pipeline/passes/transform.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <span>
 #include <utility>
@@ -59,13 +59,15 @@ uint64_t GpuFrame::chunkTriangles() const {
 bool GpuFrame::fitsWhole(uint32_t planes) const {
     const DeviceLimits& l = device_.limits();
     const DrawList& list = prepared_.list;
-    const uint64_t vertices = list.positions.size() + kClipCornersAtFirst, triangles = list.triangles.size(), faces = list.facePositions.size();
+    const uint64_t vertices = list.positions.size() + kClipCornersAtFirst, triangles = list.triangles.size(),
+                   faces = list.facePositions.size();
     const auto reserved = [](uint64_t count) { return count + count / 4 + 16; };  // as Buffer::reserve does
     if (reserved(vertices) > std::min(l.storageRangeBytes / sizeof(glm::vec4), l.texelElements)) return false;
     if (reserved(std::max(triangles, faces)) > l.texelElements) return false;
     // Bytes of upload() and of the lists, were every triangle drawn and in two tiles; then what a band's buffers may take.
     const uint64_t perVertex = (list.numbers == Numbers::fp32 ? 4 : 5) * sizeof(glm::vec4) + sizeof(uint32_t);
-    const uint64_t perTriangle = (list.facePlaces.empty() ? 0 : sizeof(glm::vec4)) + sizeof(glm::uvec4) + sizeof(gpu::DrawTriangle) + 3 * sizeof(uint32_t);
+    const uint64_t perTriangle =
+        (list.facePlaces.empty() ? 0 : sizeof(glm::vec4)) + sizeof(glm::uvec4) + sizeof(gpu::DrawTriangle) + 3 * sizeof(uint32_t);
     const uint64_t perFace = 3 * sizeof(glm::vec4) + sizeof(uint32_t);
     const uint64_t pixels = (uint64_t(list.frame.width) + 15) / 16 * 16 * ((uint64_t(list.frame.height) + 7) / 8 * 8);
     const uint64_t tiles = pixels / (gpu::kTileWidth * gpu::kTileHeight), room = roomOfTiles(triangles, tiles, mostEntries());
@@ -80,9 +82,7 @@ bool GpuFrame::lightsInWindows() const {
     return prepared_.choices.shading == gpu::kShadingPhong && prepared_.list.lights.size() > lightsPerWindow(prepared_.choices);
 }
 
-uint32_t GpuFrame::withSum(uint32_t planes) const {
-    return planes | (lightsInWindows() ? gpu::kFillPlaneSum : 0u);
-}
+uint32_t GpuFrame::withSum(uint32_t planes) const { return planes | (lightsInWindows() ? gpu::kFillPlaneSum : 0u); }
 
 uint32_t GpuFrame::bandRows(uint32_t planes) const {
     planes = withSum(planes);
@@ -96,7 +96,8 @@ uint32_t GpuFrame::bandRows(uint32_t planes) const {
 
 uint32_t GpuFrame::bandRowsInPlace() const {
     const DeviceLimits& l = device_.limits();
-    const uint64_t pitch = (uint64_t(prepared_.list.frame.width) + 15) / 16 * 16, rows = (uint64_t(prepared_.list.frame.height) + 7) / 8 * 8;
+    const uint64_t pitch = (uint64_t(prepared_.list.frame.width) + 15) / 16 * 16,
+                   rows = (uint64_t(prepared_.list.frame.height) + 7) / 8 * 8;
     const uint64_t bytes = pitch * rows * sizeof(uint32_t);
     if (bytes + bytes / 4 > std::min(l.allocationBytes, device_.memoryBudgetBytes() / 2)) return 0;
     return uint32_t(std::min(rows, l.storageRangeBytes / sizeof(uint32_t) / pitch / 8 * 8));
@@ -130,7 +131,8 @@ void GpuFrame::upload(const DrawList& chunk) {
         for (size_t t = 0; t < places.size(); ++t) places[t] = chunk.facePlaces[chunk.triangleFace[t]];
     put<glm::vec4>(device_, trianglePlaces_, places, "places of faces");
     put<uint32_t>(device_, triangleMaterial_, materialOf, "triangle materials");
-    if (prepared_.choices.shading == gpu::kShadingGouraud) put<uint32_t>(device_, vertexMaterial_, chunk.vertexMaterial, "vertex materials");
+    if (prepared_.choices.shading == gpu::kShadingGouraud)
+        put<uint32_t>(device_, vertexMaterial_, chunk.vertexMaterial, "vertex materials");
     if (flat) {
         put<glm::vec4>(device_, facePositions_, chunk.facePositions, "face positions");
         put<glm::vec4>(device_, faceNormals_, chunk.faceNormals, "face normals");
@@ -156,17 +158,17 @@ void GpuFrame::transformAndCull(bool normals) {
         if (chunk_->numbers == Numbers::fp32)
             recordTransform(recorder_, push, carry, {}, positions_, normals_, objects_, screen_, carried_);
         else
-            recordLongTransform(recorder_, device_, push, carry, {}, positions_, normals_, objects_, screen_, carried_, {chunk_->numbers, longs_, clipSpace_});
+            recordLongTransform(recorder_, device_, push, carry, {}, positions_, normals_, objects_, screen_, carried_,
+                                {chunk_->numbers, longs_, clipSpace_});
         const uint32_t lightCount = uint32_t(chunk_->lights.size());
         if (gouraud)
-            recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {}, positions_,
-                             normals_, vertexMaterial_, objects_, materials_, lights_, carried_);
+            recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {},
+                             positions_, normals_, vertexMaterial_, objects_, materials_, lights_, carried_);
         if (choices.shading == gpu::kShadingFlat && !normals && r.faceCount)
-            recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {}, facePositions_,
-                             faceNormals_, faceMaterial_, objects_, materials_, lights_, faceColours_);
+            recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {},
+                             facePositions_, faceNormals_, faceMaterial_, objects_, materials_, lights_, faceColours_);
     }
-    recordCull(recorder_, {0, uint32_t(chunk_->triangles.size()), chunk_->cullBackFaces, chunk_->frame}, {}, triangles_, screen_,
-               records_);
+    recordCull(recorder_, {0, uint32_t(chunk_->triangles.size()), chunk_->cullBackFaces, chunk_->frame}, {}, triangles_, screen_, records_);
     carriedNormals_ = false;
     recorder_.run(watchdogMs_);
     carriedNormals_ = carryNormals;
@@ -195,15 +197,15 @@ void GpuFrame::setupForBin() {
     tiles_.reserve(device_, std::max(1u, tiles), "tiles");
     entries_.reserve(device_, 1, "tile lists");
     if (binned_) makeRoom();
-    recordSetup(recorder_, {0, places_.drawCount, binned_ ? tilesX_ : 0, room_, chunk_->frame}, chunk_->cullBackFaces == 0, {}, triangles_, screen_,
-                sources_, draws_, tiles_, entries_, setupMarks_);
+    recordSetup(recorder_, {0, places_.drawCount, binned_ ? tilesX_ : 0, room_, chunk_->frame}, chunk_->cullBackFaces == 0, {}, triangles_,
+                screen_, sources_, draws_, tiles_, entries_, setupMarks_);
     wide_ = places_.wide;
     clippedDrawn_ = 0;
     if (places_.jobs.empty()) return recorder_.skip("clip", "no triangle crosses the near plane or leaves the guard band");
     put<gpu::ClipJob>(device_, jobs_, places_.jobs, "clip jobs");
     kinds_.reserve(device_, places_.jobs.size(), "clip kinds");
-    recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, {}, triangles_, positions_,
-               objects_, jobs_, screen_, carried_, draws_, kinds_, chunk_->numbers == Numbers::fp32 ? nullptr : &clipSpace_);
+    recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, {}, triangles_,
+               positions_, objects_, jobs_, screen_, carried_, draws_, kinds_, chunk_->numbers == Numbers::fp32 ? nullptr : &clipSpace_);
     recorder_.run(watchdogMs_);
     for (size_t j = 0; j < places_.jobs.size(); ++j) {
         wide_ |= kinds_.span()[j] & 1;
@@ -226,12 +228,15 @@ void GpuFrame::beginBand(const gpu::FrameBox& band, uint32_t planes) {
     planeQuads_ = rowQuads_ * tilesY_ * gpu::kTileHeight;
     // In place, the bands of a picture lie one after another in one buffer.
     const uint64_t above = inPlace_ ? uint64_t(band.firstRow) * rowQuads_ : 0;
-    const uint64_t rows = inPlace_ ? (uint64_t(prepared_.list.frame.height) + gpu::kTileHeight - 1) / gpu::kTileHeight * gpu::kTileHeight : 0;
+    const uint64_t rows =
+        inPlace_ ? (uint64_t(prepared_.list.frame.height) + gpu::kTileHeight - 1) / gpu::kTileHeight * gpu::kTileHeight : 0;
     firstColour_ = above;
     colours_.reserve(device_, std::max<uint64_t>(planeQuads_, rows * rowQuads_), "colours");
     planeBuffer_.reserve(device_, std::max<uint64_t>(1, uint64_t(planeQuads_) * planeCount(planes)), "planes");
-    if (clearsEmptyTiles()) recorder_.skip("clear", "the host clears the tiles without triangles");
-    else recorder_.fill("clear", colours_, prepared_.background & 0xffffffu, firstColour_ * 16, uint64_t(planeQuads_) * 16);
+    if (clearsEmptyTiles())
+        recorder_.skip("clear", "the host clears the tiles without triangles");
+    else
+        recorder_.fill("clear", colours_, prepared_.background & 0xffffffu, firstColour_ * 16, uint64_t(planeQuads_) * 16);
     uint64_t slot = 0;
     const uint64_t bytes = uint64_t(planeQuads_) * 16;
     const auto clear = [&](uint32_t word) { recorder_.fill("clear", planeBuffer_, word, slot++ * bytes, bytes); };
@@ -271,7 +276,9 @@ void GpuFrame::makeStrips() {
     strips_.clear();
     const gpu::BinPush push = binPush();
     const std::span<const gpu::ScreenVertex> screen = std::as_const(screen_).span();
-    const auto add = [&](uint32_t place, uint32_t a, uint32_t b, uint32_t c) { addStrips(push, place, boxInBand(push, screen[a], screen[b], screen[c]), strips_); };
+    const auto add = [&](uint32_t place, uint32_t a, uint32_t b, uint32_t c) {
+        addStrips(push, place, boxInBand(push, screen[a], screen[b], screen[c]), strips_);
+    };
     const auto addPlaced = [&](const PlacedTriangle& p) {
         const glm::uvec4& corners = chunk_->triangles[p.triangle];
         add(p.place, corners.x, corners.y, corners.z);
@@ -293,7 +300,8 @@ void GpuFrame::bin() {
     const bool mediumWalk = binned_ && places_.medium.size() >= kFewMedium;
     const uint32_t walked = mediumWalk ? uint32_t(places_.medium.size()) : binned_ ? 0u : places_.drawCount;
     checkFits("strips of large triangles", strips_.size(), sizeof(glm::uvec4));
-    put<PlacedTriangle>(device_, medium_, mediumWalk ? std::span<const PlacedTriangle>(places_.medium) : std::span<const PlacedTriangle>(), "medium triangles");
+    put<PlacedTriangle>(device_, medium_, mediumWalk ? std::span<const PlacedTriangle>(places_.medium) : std::span<const PlacedTriangle>(),
+                        "medium triangles");
     put<glm::uvec4>(device_, stripBuffer_, strips_, "strips");
     walkMarks_.reserve(device_, std::max(1u, walked), "marks of triangles");
     stripMarks_.reserve(device_, std::max<uint64_t>(1, strips_.size()), "marks of strips");
@@ -337,11 +345,12 @@ void GpuFrame::listCrowded(uint64_t end, uint32_t walked, bool binned) {
     const std::span<const gpu::ScreenVertex> screen = std::as_const(screen_).span();
     if (binned) crowded.addSetUp(std::as_const(setupMarks_).span().first(places_.drawCount), draws, screen);
     const bool listed = binned && walked != 0;
-    crowded.addWalked(std::as_const(walkMarks_).span().first(walked), listed ? std::span<const PlacedTriangle>(places_.medium) : std::span<const PlacedTriangle>(),
-                      draws, screen);
+    crowded.addWalked(std::as_const(walkMarks_).span().first(walked),
+                      listed ? std::span<const PlacedTriangle>(places_.medium) : std::span<const PlacedTriangle>(), draws, screen);
     crowded.addStrips(std::as_const(stripMarks_).span().first(strips_.size()), strips_);
     for (const glm::uvec4& record : tileRecords_)
-        if (record.z > room_ && crowded.endOf(tileOf(record)) != record.y + record.z) throw renderError("bin: a crowded tile's list is not complete");
+        if (record.z > room_ && crowded.endOf(tileOf(record)) != record.y + record.z)
+            throw renderError("bin: a crowded tile's list is not complete");
 }
 
 TileLists GpuFrame::lists() const {
@@ -375,11 +384,12 @@ bool GpuFrame::clearsEmptyTiles() const { return inPlace_ && planes_ == 0; }
 void GpuFrame::clearEmptyTiles() {
     const uint32_t background = prepared_.background & 0xffffffu, pitch = rowPixels();
     uint32_t* pixels = static_cast<uint32_t*>(colours_.data()) + firstColour_ * 4;
-    const auto clear = [&](uint32_t row, uint32_t from, uint32_t to) {   // tiles of a tile row
+    const auto clear = [&](uint32_t row, uint32_t from, uint32_t to) {  // tiles of a tile row
         for (uint32_t y = row * gpu::kTileHeight; y < (row + 1) * gpu::kTileHeight; ++y)
-            std::fill(pixels + size_t(y) * pitch + size_t(from) * gpu::kTileWidth, pixels + size_t(y) * pitch + size_t(to) * gpu::kTileWidth, background);
+            std::fill(pixels + size_t(y) * pitch + size_t(from) * gpu::kTileWidth,
+                      pixels + size_t(y) * pitch + size_t(to) * gpu::kTileWidth, background);
     };
-    auto next = tileRecords_.begin();     // in the order of tiles
+    auto next = tileRecords_.begin();  // in the order of tiles
     for (uint32_t row = 0; row < tilesY_; ++row) {
         uint32_t first = 0;
         for (; next != tileRecords_.end() && next->x >> 16 == row; ++next) {
@@ -456,9 +466,13 @@ void GpuFrame::fill(FillChoices choices) {
 }
 
 // In dispatches that are neither long nor too many.
-void GpuFrame::recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push, const FillChoices& choices) {
-    const FillBuffers buffers{draws_,     screen_,  choices.shading == gpu::kShadingFlat ? faceColours_ : carried_, buffer, entries_,
-                              triangleMaterial_, materials_, lights_, encodeTable_, colours_, planeBuffer_, trianglePlaces_, firstColour_, planeQuads_};
+void GpuFrame::recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push,
+                           const FillChoices& choices) {
+    const FillBuffers buffers{draws_,       screen_,      choices.shading == gpu::kShadingFlat ? faceColours_ : carried_,
+                              buffer,       entries_,     triangleMaterial_,
+                              materials_,   lights_,      encodeTable_,
+                              colours_,     planeBuffer_, trianglePlaces_,
+                              firstColour_, planeQuads_};
     const uint64_t perTile = kWorkPerTile * (1 + push.lightCount);
     uint32_t first = 0;
     uint64_t work = 0;

@@ -64,19 +64,19 @@ public:
     uint32_t bandRowsInPlace() const;
 
     const Buffer<glm::uvec4>& colours() const { return colours_; }
-    uint32_t rowPixels() const { return rowQuads_ * 4; }             // of colours(), in samples or resolved pixels
-    std::span<const uint32_t> colourWords() const;                    // of the band; of all so far after keepBands(). Row pitch: rowPixels()
-    std::span<const uint32_t> plane(uint32_t slot) const;             // of the sample planes
-    std::span<const uint32_t> resolvedColours() const;                // row pitch: resolvedRowPixels()
+    uint32_t rowPixels() const { return rowQuads_ * 4; }   // of colours(), in samples or resolved pixels
+    std::span<const uint32_t> colourWords() const;         // of the band; of all so far after keepBands(). Row pitch: rowPixels()
+    std::span<const uint32_t> plane(uint32_t slot) const;  // of the sample planes
+    std::span<const uint32_t> resolvedColours() const;     // row pitch: resolvedRowPixels()
     std::span<const float> resolvedLinear(uint32_t channel) const;
     uint32_t resolvedRowPixels() const { return resolvedQuads_ * 4; }
 
     Recorder& recorder() { return recorder_; }
     const DrawPlaces& places() const { return places_; }
     uint64_t binEntries() const { return binEntries_; }
-    bool binned() const { return binned_; }                           // setup() has binned small triangles for the next bin()
-    uint32_t crowdedTiles() const { return crowded_; }                // of the last bin(): without room for all their entries
-    size_t stripCount() const { return strips_.size(); }              // of the last bin()
+    bool binned() const { return binned_; }               // setup() has binned small triangles for the next bin()
+    uint32_t crowdedTiles() const { return crowded_; }    // of the last bin(): without room for all their entries
+    size_t stripCount() const { return strips_.size(); }  // of the last bin()
     uint64_t clippedDrawn() const { return clippedDrawn_; }
 
     // For verify: what a step left, and what the next one shall read.
@@ -85,7 +85,7 @@ public:
     std::span<glm::vec4> faceColours() { return faceColours_.span(); }
     std::span<gpu::CullRecord> records() { return records_.span(); }
     std::span<gpu::DrawTriangle> draws() { return draws_.span(); }
-    TileLists lists() const;                                          // of the last bin(), each ascending
+    TileLists lists() const;  // of the last bin(), each ascending
     gpu::BinPush binPush() const;
 
 private:
@@ -98,7 +98,7 @@ private:
     uint64_t mostEntries() const;
     void recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push, const FillChoices& choices);
     FillChoices onDevice(FillChoices choices) const;
-    bool lightsInWindows() const;  // more lights than one dispatch adds up
+    bool lightsInWindows() const;             // more lights than one dispatch adds up
     uint32_t withSum(uint32_t planes) const;  // and the sum of the lights, where they come in windows
     void checkFits(const char* what, uint64_t count, uint64_t elementBytes) const;
 
@@ -111,10 +111,10 @@ private:
     uint64_t binEntries_ = 0, clippedDrawn_ = 0;
     uint32_t room_ = 0, mostRoom_ = 0xffffffffu, crowded_ = 0;  // of the tiles' lists
     bool wide_ = false;
-    bool inPlace_ = false;                // colours_ holds all bands
-    uint64_t firstColour_ = 0;            // of the band, in colours_
-    bool binned_ = false;                 // tiles_ and entries_ hold the small triangles of the chunk in this band
-    bool carriedNormals_ = false;         // carried_ holds the world normals of what was uploaded
+    bool inPlace_ = false;         // colours_ holds all bands
+    uint64_t firstColour_ = 0;     // of the band, in colours_
+    bool binned_ = false;          // tiles_ and entries_ hold the small triangles of the chunk in this band
+    bool carriedNormals_ = false;  // carried_ holds the world normals of what was uploaded
     gpu::FrameBox band_{};
     uint32_t tilesX_ = 0, tilesY_ = 0, rowQuads_ = 0, planeQuads_ = 0, resolvedQuads_ = 0, planes_ = 0;
     std::vector<glm::uvec4> strips_;
@@ -122,7 +122,8 @@ private:
 
     Buffer<glm::vec4> trianglePlaces_;
     Buffer<glm::vec4> positions_, normals_, facePositions_, faceNormals_, carried_, faceColours_;
-    Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, sources_, kinds_, tiles_, entries_, setupMarks_, walkMarks_, stripMarks_, encodeTable_;
+    Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, sources_, kinds_, tiles_, entries_, setupMarks_, walkMarks_,
+        stripMarks_, encodeTable_;
     Buffer<PlacedTriangle> medium_;
     Buffer<glm::uvec4> triangles_, stripBuffer_, tileBuffer_, aloneBuffer_, colours_, planeBuffer_, resolved_;
     Buffer<glm::vec4> resolvedLinear_;

@@ -11,12 +11,12 @@
 #include "pipeline/scene/flattened.h"
 #include "pipeline/scene/text.h"
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
@@ -72,8 +72,7 @@ bool isConvex(std::span<const gpu::ScanCorner> polygon) {
 
 class NotesFrame {
 public:
-    NotesFrame(const Scene& scene, const Prepared& prepared, const RenderRequest& request, Side& side,
-               RenderResult& result)
+    NotesFrame(const Scene& scene, const Prepared& prepared, const RenderRequest& request, Side& side, RenderResult& result)
         : scene_(scene), p_(prepared), request_(request), side_(side), result_(result) {
         const Camera& c = *scene.camera;
         right_ = c.right;
@@ -118,7 +117,8 @@ private:
 
     [[noreturn]] void refuseCrossing(const Object& object, const TriangleMesh& mesh, uint32_t face) const {
         throw inputError(mesh.place.empty() ? printable(scene_.path) : mesh.place,
-                         fmt::format("mesh.faces[{}] crosses itself (object '{}'), and --fill notes fills simple polygons", face, printable(object.name, 64)));
+                         fmt::format("mesh.faces[{}] crosses itself (object '{}'), and --fill notes fills simple polygons", face,
+                                     printable(object.name, 64)));
     }
 
     void addObject(uint32_t rangeNumber) {
@@ -131,8 +131,7 @@ private:
         const bool mirrored = mirrors(toWorld);
         const uint32_t shading = p_.choices.shading;
         std::vector<dvec3> world(mesh.positions.size());
-        for (size_t v = 0; v < world.size(); ++v)
-            world[v] = dvec3(toWorld * glm::dvec4(mesh.positions[v], 1));
+        for (size_t v = 0; v < world.size(); ++v) world[v] = dvec3(toWorld * glm::dvec4(mesh.positions[v], 1));
 
         struct Face {
             uint32_t face, firstTriangle, triangles;
@@ -196,8 +195,7 @@ private:
                 carried.emplace_back(v, value);
             });
             const auto corner = [&](uint32_t v) {
-                const auto found =
-                    std::find_if(carried.begin(), carried.end(), [&](const auto& c) { return c.first == v; });
+                const auto found = std::find_if(carried.begin(), carried.end(), [&](const auto& c) { return c.first == v; });
                 return Corner{viewOf(world[v]), found->second};
             };
             const NotesPolygon from{rangeNumber, f.face, r.firstTriangle + f.firstTriangle, material};
@@ -213,8 +211,7 @@ private:
 
     // A face without an outline (its triangles share a vertex twice) is taken triangle by triangle, each corner once.
     template <class Body>
-    static void forEachCorner(const std::vector<uint32_t>& outline, std::span<const TriangleMesh::Triangle> own,
-                              const Body& body) {
+    static void forEachCorner(const std::vector<uint32_t>& outline, std::span<const TriangleMesh::Triangle> own, const Body& body) {
         std::vector<uint32_t> corners = outline;
         if (corners.empty()) {
             for (const TriangleMesh::Triangle& t : own) corners.insert(corners.end(), t.vertex, t.vertex + 3);
@@ -225,8 +222,7 @@ private:
     }
 
     static glm::vec3 worldNormal(const gpu::ObjectRecord& o, const glm::vec3& n) {
-        const dvec3 v(glm::dot(dvec3(o.normal0), dvec3(n)), glm::dot(dvec3(o.normal1), dvec3(n)),
-                      glm::dot(dvec3(o.normal2), dvec3(n)));
+        const dvec3 v(glm::dot(dvec3(o.normal0), dvec3(n)), glm::dot(dvec3(o.normal1), dvec3(n)), glm::dot(dvec3(o.normal2), dvec3(n)));
         const double length = std::sqrt(glm::dot(v, v));
         return length > 0 ? glm::vec3(v / length) : glm::vec3(0);
     }
@@ -240,8 +236,7 @@ private:
             if ((a.view.z >= near_) == (b.view.z >= near_)) continue;
             const Corner &in = a.view.z >= near_ ? a : b, &out = a.view.z >= near_ ? b : a;
             const double t = (in.view.z - near_) / (in.view.z - out.view.z);
-            Corner cut{in.view + (out.view - in.view) * t,
-                       glm::vec3(dvec3(in.carried) + (dvec3(out.carried) - dvec3(in.carried)) * t)};
+            Corner cut{in.view + (out.view - in.view) * t, glm::vec3(dvec3(in.carried) + (dvec3(out.carried) - dvec3(in.carried)) * t)};
             cut.view.z = near_;
             kept.push_back(cut);
         }
@@ -256,7 +251,8 @@ private:
     // Sutherland and Hodgman on the screen, where Z and what is carried are linear: +-x or +-y at most the farthest pixel.
     static std::vector<Projected> withinReach(std::vector<Projected> polygon) {
         constexpr double kReach = gpu::kScanFarthestPixel;
-        for (const auto& [axis, sign] : {std::pair(&Projected::x, 1.0), {&Projected::x, -1.0}, {&Projected::y, 1.0}, {&Projected::y, -1.0}}) {
+        for (const auto& [axis, sign] :
+             {std::pair(&Projected::x, 1.0), {&Projected::x, -1.0}, {&Projected::y, 1.0}, {&Projected::y, -1.0}}) {
             std::vector<Projected> kept;
             for (size_t i = 0; i < polygon.size(); ++i) {
                 const Projected &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
@@ -277,7 +273,7 @@ private:
 
     // To pixels, rounded half to even; Z is not rounded (14.2).
     std::vector<gpu::ScanCorner> display(const std::vector<Corner>& polygon) const {
-        constexpr double kBeyond = 0x1p200;  // differences and products of two stay finite
+        constexpr double kBeyond = 0x1p200;   // differences and products of two stay finite
         constexpr double kNearest = 0x1p100;  // Zps grows beyond every bound toward the viewer; steps and products of it stay finite
         std::vector<Projected> projected;
         for (const Corner& c : inFront(polygon)) {
@@ -287,7 +283,8 @@ private:
         }
         std::vector<gpu::ScanCorner> corners;
         for (const Projected& c : withinReach(std::move(projected)))
-            corners.push_back({int(std::nearbyint(c.x)), int(std::nearbyint(c.y)), float(std::max(c.z * zUnit_, -kNearest)), glm::vec3(c.carried)});
+            corners.push_back(
+                {int(std::nearbyint(c.x)), int(std::nearbyint(c.y)), float(std::max(c.z * zUnit_, -kNearest)), glm::vec3(c.carried)});
         return corners;
     }
 
@@ -324,10 +321,9 @@ private:
             const dvec3 n(canvas.carried[i]);
             // Interpolated normals are made unit again (A15); one that vanished on the way is the face's.
             const double length = phong ? std::sqrt(glm::dot(n, n)) : 0;
-            normals[k] = length > 0x1p-20
-                             ? glm::vec3(n / length)
-                             : worldNormal(p_.list.objects[r.record],
-                                           scene_.meshes[scene_.objects[r.sceneObject].mesh].faceNormal[from.face]);
+            normals[k] = length > 0x1p-20 ? glm::vec3(n / length)
+                                          : worldNormal(p_.list.objects[r.record],
+                                                        scene_.meshes[scene_.objects[r.sceneObject].mesh].faceNormal[from.face]);
         }
         if (phong) {
             Points points;
@@ -406,7 +402,8 @@ private:
         }
         out.coveredPixels = uint64_t(std::count(any.begin(), any.end(), uint8_t(1)));
         std::vector<float> resolved(3 * out.rgba.size());
-        resolveCpu(p_.width, p_.height, p_.side, request_.transparent, p_.choices.encoding, samples, drawn, resolved, out.rgba, request_.threads);
+        resolveCpu(p_.width, p_.height, p_.side, request_.transparent, p_.choices.encoding, samples, drawn, resolved, out.rgba,
+                   request_.threads);
         if (request_.planes & kPlaneLinear) out.linear = resolved;
     }
 
@@ -444,10 +441,15 @@ public:
     std::vector<glm::vec4> illuminate(const Points& points, uint32_t record) override {
         const Stopwatch watch(&result_.times, "illuminate");
         std::vector<glm::vec4> colours(points.positions.size());
-        const gpu::IlluminatePush push{0, 0, uint32_t(colours.size()), std::min(record, uint32_t(objects_.size() - 1)), 0,
-                                       uint32_t(p_.list.lights.size()), p_.list.towardViewer};
-        illuminateCpu(push, p_.choices.parts, points.positions, points.normals, points.materials, objects_,
-                      p_.list.materials, p_.list.lights, colours, threads_);
+        const gpu::IlluminatePush push{0,
+                                       0,
+                                       uint32_t(colours.size()),
+                                       std::min(record, uint32_t(objects_.size() - 1)),
+                                       0,
+                                       uint32_t(p_.list.lights.size()),
+                                       p_.list.towardViewer};
+        illuminateCpu(push, p_.choices.parts, points.positions, points.normals, points.materials, objects_, p_.list.materials,
+                      p_.list.lights, colours, threads_);
         return colours;
     }
     ScanCanvas paint(const ScanList& list) override {
@@ -483,30 +485,28 @@ public:
     }
     std::vector<glm::vec4> illuminate(const Points& points, uint32_t record) override {
         const DeviceLimits& l = device_.limits();
-        const uint64_t most =
-            std::min<uint64_t>({l.storageRangeBytes / sizeof(glm::vec4), l.texelElements, uint64_t(1) << 20});
+        const uint64_t most = std::min<uint64_t>({l.storageRangeBytes / sizeof(glm::vec4), l.texelElements, uint64_t(1) << 20});
         std::vector<glm::vec4> all;
         for (uint64_t first = 0; first < points.positions.size(); first += most) {
             const uint64_t count = std::min<uint64_t>(most, points.positions.size() - first);
-            const auto positions =
-                uploaded<glm::vec4>(device_, std::span(points.positions).subspan(first, count), "points");
-            const auto normals =
-                uploaded<glm::vec4>(device_, std::span(points.normals).subspan(first, count), "point normals");
-            const auto materials =
-                uploaded<uint32_t>(device_, std::span(points.materials).subspan(first, count), "point materials");
+            const auto positions = uploaded<glm::vec4>(device_, std::span(points.positions).subspan(first, count), "points");
+            const auto normals = uploaded<glm::vec4>(device_, std::span(points.normals).subspan(first, count), "point normals");
+            const auto materials = uploaded<uint32_t>(device_, std::span(points.materials).subspan(first, count), "point materials");
             Buffer<glm::vec4> colours(device_, count, "point colours");
-            const gpu::IlluminatePush push{0, 0, uint32_t(count), std::min(record, uint32_t(p_.list.objects.size())), 0,
-                                           uint32_t(p_.list.lights.size()), p_.list.towardViewer};
-            recordIlluminate(recorder_, push, p_.choices.parts, {}, positions, normals, materials, objects_,
-                             materials_, lights_, colours);
+            const gpu::IlluminatePush push{0,
+                                           0,
+                                           uint32_t(count),
+                                           std::min(record, uint32_t(p_.list.objects.size())),
+                                           0,
+                                           uint32_t(p_.list.lights.size()),
+                                           p_.list.towardViewer};
+            recordIlluminate(recorder_, push, p_.choices.parts, {}, positions, normals, materials, objects_, materials_, lights_, colours);
             recorder_.run(watchdogMs_);
             all.insert(all.end(), colours.span().begin(), colours.span().begin() + ptrdiff_t(count));
         }
         return all;
     }
-    ScanCanvas paint(const ScanList& list) override {
-        return scanlineGpu(device_, recorder_, list, {}, watchdogMs_, nullptr);
-    }
+    ScanCanvas paint(const ScanList& list) override { return scanlineGpu(device_, recorder_, list, {}, watchdogMs_, nullptr); }
     Recorder& recorder() { return recorder_; }
 
 private:
@@ -526,8 +526,7 @@ void drawNotesCpu(const Scene& scene, const Prepared& prepared, const RenderRequ
     NotesFrame(scene, prepared, request, side, result).draw();
 }
 
-void drawNotesGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request,
-                  RenderResult& result) {
+void drawNotesGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result) {
     DeviceSide side(device, prepared, request);
     NotesFrame(scene, prepared, request, side, result).draw();
     const std::vector<PassTime> times = side.recorder().takeTimes();

@@ -19,7 +19,6 @@ struct NotesPolygon {
 };
 
 void drawNotesCpu(const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
-void drawNotesGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request,
-                  RenderResult& result);
+void drawNotesGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
 
 }  // namespace plumb

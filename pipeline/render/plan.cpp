@@ -3,8 +3,8 @@
 
 #include "host/error.h"
 
-#include <algorithm>
 #include <fmt/core.h>
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,9 +22,12 @@ auto find(Steps& steps, const std::string& name) {
 
 const char* nameOf(RunsOn side) {
     switch (side) {
-        case RunsOn::device: return "device";
-        case RunsOn::twin: return "twin";
-        case RunsOn::host: break;
+        case RunsOn::device:
+            return "device";
+        case RunsOn::twin:
+            return "twin";
+        case RunsOn::host:
+            break;
     }
     return "host";
 }
@@ -54,18 +57,21 @@ void Plan::close(const std::vector<PassTime>& times) {
     for (const PassTime& time : times) {
         if (time.dispatches == 0) continue;  // the time of a whole submission
         const auto step = find(steps, time.pass);
-        if (step == steps.end() || !step->fusedIn.empty()) throw renderError(fmt::format("plan: '{}' ran and is no step of the plan", time.pass));
+        if (step == steps.end() || !step->fusedIn.empty())
+            throw renderError(fmt::format("plan: '{}' ran and is no step of the plan", time.pass));
         step->ran = true;
         step->idle.clear();
     }
     for (PlanStep& step : steps) {
         if (!step.fusedIn.empty()) {
             const auto host = find(steps, step.fusedIn);
-            if (host == steps.end()) throw renderError(fmt::format("plan: '{}' is fused in '{}', which is no step", step.name, step.fusedIn));
+            if (host == steps.end())
+                throw renderError(fmt::format("plan: '{}' is fused in '{}', which is no step", step.name, step.fusedIn));
             step.ran = host->ran;
             step.idle = host->idle;
         }
-        if (!step.ran && step.idle.empty()) throw renderError(fmt::format("plan: the step '{}' neither ran nor had nothing to do", step.name));
+        if (!step.ran && step.idle.empty())
+            throw renderError(fmt::format("plan: the step '{}' neither ran nor had nothing to do", step.name));
     }
 }
 

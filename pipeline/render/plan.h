@@ -14,19 +14,21 @@ enum class RunsOn { device, twin, host };  // the twin is the processor's form o
 const char* nameOf(RunsOn side);
 
 struct PlanStep {
-    std::string name;         // of the pass
+    std::string name;  // of the pass
     RunsOn side = RunsOn::device;
-    std::string why;          // it is part of this picture
-    std::string fusedIn = {}; // the step whose kernel or function does this one's work too; empty: it runs by itself
-    std::string idle = {};    // after drawing: why it had nothing to do; empty where it did something
-    bool ran = false;         // after drawing
+    std::string why;           // it is part of this picture
+    std::string fusedIn = {};  // the step whose kernel or function does this one's work too; empty: it runs by itself
+    std::string idle = {};     // after drawing: why it had nothing to do; empty where it did something
+    bool ran = false;          // after drawing
 };
 
 struct Plan {
-    struct Drop { std::string what, why; };
-    std::vector<PlanStep> steps;              // in order; their names differ
-    std::vector<Drop> dropped;            // what a picture of this kind has and this one does not need
-    std::vector<std::string> choices;     // e.g. "samples 4: the frame is drawn at 1280x960 and resolved"
+    struct Drop {
+        std::string what, why;
+    };
+    std::vector<PlanStep> steps;       // in order; their names differ
+    std::vector<Drop> dropped;         // what a picture of this kind has and this one does not need
+    std::vector<std::string> choices;  // e.g. "samples 4: the frame is drawn at 1280x960 and resolved"
 
     std::vector<std::string> names() const;
     // Appends `step`, or does nothing where a step of its name is there.

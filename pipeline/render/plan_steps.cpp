@@ -18,7 +18,8 @@ public:
         if (device) add("clear", "tiles that no triangle touches show the background");
         add("transform", "vertices from object space to the screen");
         if (!underLines) illuminated();
-        add("cull", p_.list.cullBackFaces ? "triangles that face away or lie outside the view are left out" : "triangles that lie outside the view are left out");
+        add("cull", p_.list.cullBackFaces ? "triangles that face away or lie outside the view are left out"
+                                          : "triangles that lie outside the view are left out");
         add("setup", device ? "drawn triangles are listed, small ones in their tiles" : "drawn triangles are listed");
         if (device) {
             add("clip", "triangles that cross the near plane or leave the guard band are cut");
@@ -29,9 +30,12 @@ public:
         }
         add("fill", "the nearest triangle of each sample");
         if (device && underLines) return;
-        const char* shades = p_.choices.shading == gpu::kShadingPhong ? "illumination at each sample" : "the colour that a triangle carries, at each sample";
-        if (device) fused("shade", "fill", shades);
-        else add("shade", shades);
+        const char* shades =
+            p_.choices.shading == gpu::kShadingPhong ? "illumination at each sample" : "the colour that a triangle carries, at each sample";
+        if (device)
+            fused("shade", "fill", shades);
+        else
+            add("shade", shades);
         colours(samples, side_, device ? "fill" : "");
     }
 
@@ -55,8 +59,10 @@ public:
         plan_.add({"project", RunsOn::host, "corners to whole pixels, by the notes' projection"});
         if (p_.choices.shading != gpu::kShadingPhong) illuminated();
         add("scanline", "the first and last column of each polygon in each row");
-        if (side_ == RunsOn::device) add("scanpaint", "the nearest polygon of each pixel, row by row");
-        else fused("scanpaint", "scanline", "the nearest polygon of each pixel, row by row");
+        if (side_ == RunsOn::device)
+            add("scanpaint", "the nearest polygon of each pixel, row by row");
+        else
+            fused("scanpaint", "scanline", "the nearest polygon of each pixel, row by row");
         if (p_.choices.shading == gpu::kShadingPhong) add("illuminate", "illumination at each pixel");
         colours(p_.side * p_.side, RunsOn::host, "");
     }
@@ -88,7 +94,8 @@ private:
 void planSteps(const Scene& scene, const RenderRequest& request, RunsOn side, Prepared& p) {
     Steps steps(request, p, side, p.plan);
     using Sampling = RayChoices::Sampling;
-    if (request.shading == Shading::ray) return steps.rays(request.rays.sampling == Sampling::corners || request.rays.sampling == Sampling::adaptive);
+    if (request.shading == Shading::ray)
+        return steps.rays(request.rays.sampling == Sampling::corners || request.rays.sampling == Sampling::adaptive);
     if (request.shading == Shading::wire) return steps.lines();
     if (drawsSpheres(scene, request)) return steps.spheres();
     if (request.fill == Fill::notes) return steps.notes();

@@ -44,8 +44,7 @@ Newell newellOf(std::span<const glm::dvec3> world) {
     for (size_t i = 0; i < world.size(); ++i) {
         const glm::dvec3 a = world[i] - world[0], b = world[(i + 1) % world.size()] - world[0];
         n.normal += glm::cross(a, b);
-        n.size += glm::abs(glm::dvec3(a.y * b.z, a.z * b.x, a.x * b.y)) +
-                  glm::abs(glm::dvec3(a.z * b.y, a.x * b.z, a.y * b.x));
+        n.size += glm::abs(glm::dvec3(a.y * b.z, a.z * b.x, a.x * b.y)) + glm::abs(glm::dvec3(a.z * b.y, a.x * b.z, a.y * b.x));
     }
     return n;
 }
@@ -53,8 +52,7 @@ Newell newellOf(std::span<const glm::dvec3> world) {
 std::vector<FaceTriangles> facesOf(const TriangleMesh& mesh) {
     std::vector<FaceTriangles> faces;
     for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (faces.empty() || faces.back().face != mesh.triangles[t].face)
-            faces.push_back({mesh.triangles[t].face, t, 0});
+        if (faces.empty() || faces.back().face != mesh.triangles[t].face) faces.push_back({mesh.triangles[t].face, t, 0});
         ++faces.back().count;
     }
     return faces;
@@ -64,14 +62,11 @@ namespace {
 
 // A position by its bits: vertices that differ only in normal or material are one point.
 using Point = std::array<uint32_t, 3>;
-Point pointOf(const glm::vec3& p) {
-    return {std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)};
-}
+Point pointOf(const glm::vec3& p) { return {std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)}; }
 
 }  // namespace
 
-std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh, const glm::dvec3& eye,
-                                WireChoices choices) {
+std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh, const glm::dvec3& eye, WireChoices choices) {
     std::vector<WireEdge> edges;
     if (!choices.perPolygon && !choices.facingOnly) {
         for (const glm::uvec2& e : mesh.edges) edges.push_back({e, kNone});
@@ -84,9 +79,7 @@ std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worl
         const std::vector<uint32_t> outline = outlineOf(own);
         if (choices.facingOnly) {
             std::vector<glm::dvec3> around;
-            const auto add = [&](uint32_t v) {
-                around.emplace_back(worldFromMesh * glm::dvec4(mesh.positions[v], 1));
-            };
+            const auto add = [&](uint32_t v) { around.emplace_back(worldFromMesh * glm::dvec4(mesh.positions[v], 1)); };
             std::for_each(outline.begin(), outline.end(), add);
             if (outline.empty()) std::for_each(own[0].vertex, own[0].vertex + 3, add);
             if (!newellOf(around).faces(eye - around[0], mirrored)) continue;

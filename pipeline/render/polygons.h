@@ -38,15 +38,13 @@ std::vector<FaceTriangles> facesOf(const TriangleMesh& mesh);
 
 // Which edges a wire frame draws.
 struct WireChoices {
-    bool perPolygon =
-        false;  // as often as polygons have them, in their order (section 2 of the notes); else each once by position
+    bool perPolygon = false;  // as often as polygons have them, in their order (section 2 of the notes); else each once by position
     bool facingOnly = false;  // of polygons that face the viewer
 };
 struct WireEdge {
     glm::uvec2 vertex{0};
     uint32_t face = kNone;  // whose edge it is, per polygon
 };
-std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh, const glm::dvec3& eye,
-                                WireChoices choices);
+std::vector<WireEdge> wireEdges(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh, const glm::dvec3& eye, WireChoices choices);
 
 }  // namespace plumb

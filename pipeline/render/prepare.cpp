@@ -14,9 +14,9 @@
 #include "pipeline/passes/resolve.h"
 #include "shaders/shared/spheres.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/core.h>
 #include <limits>
 #include <span>
 #include <string>
@@ -31,12 +31,12 @@ namespace {
 constexpr uint64_t kPixelsWorthUnrolling = uint64_t(1) << 23;
 
 struct Pinhole {
-    double focal = 0;             // sample pixels
+    double focal = 0;  // sample pixels
     double near = 0;
-    double unit = 1;              // passes count lengths in powers of two of the scene's unit in which 1 <= near < 2: squares of distances
-                                  // neither overflow nor underflow whatever unit a scene is in, and scaling it by 2^k changes no bit
+    double unit = 1;  // passes count lengths in powers of two of the scene's unit in which 1 <= near < 2: squares of distances
+                      // neither overflow nor underflow whatever unit a scene is in, and scaling it by 2^k changes no bit
     glm::dvec3 right, down, forward, eye;
-    double width = 0, height = 0; // samples
+    double width = 0, height = 0;  // samples
 };
 
 Pinhole pinholeOf(const Camera& camera, double width, double height, double side) {
@@ -154,8 +154,9 @@ void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double foc
     bool near = reach(o.rowX) <= kFarthest * focal && reach(o.rowY) <= kFarthest * focal;
     for (const glm::vec4& row : {o.rowW, o.world0, o.world1, o.world2}) near &= reach(row) <= kFarthest;
     if (!near)
-        throw inputError(place, "it reaches further from the eye than 2^60 times the near plane: move the object or the camera, or change the "
-                               "scale or the near plane");
+        throw inputError(place,
+                         "it reaches further from the eye than 2^60 times the near plane: move the object or the camera, or change the "
+                         "scale or the near plane");
 }
 
 // Place of a material in the list, appended when it is met first.
@@ -167,7 +168,8 @@ uint32_t slotOfMaterial(DrawList& list, const Scene& scene, uint32_t material, s
         const Material& m = scene.materials[material];
         const glm::vec3 base = m.ambient * scene.ambient + m.emission;
         // Unlit draws what a surface shows without a light: its own colour and what it emits.
-        list.materials.push_back({base, m.shininess, unlit ? m.diffuse + m.emission : m.diffuse, m.shininess == 0 ? 1.0f : 0.0f, m.specular, 0.0f});
+        list.materials.push_back(
+            {base, m.shininess, unlit ? m.diffuse + m.emission : m.diffuse, m.shininess == 0 ? 1.0f : 0.0f, m.specular, 0.0f});
     }
     return slot;
 }
@@ -235,7 +237,7 @@ Light lampFromCentre(const Light& light, const Camera& camera) {
     if (light.directional) return light;
     const glm::dvec3 toLamp = light.position - (camera.eye + camera.forward * camera.focusDistance);
     const double distance = glm::length(toLamp);
-    if (!(distance > 0)) return light;    // it stands there: no direction
+    if (!(distance > 0)) return light;  // it stands there: no direction
     Light far = light;
     far.directional = true;
     far.direction = toLamp;
@@ -262,10 +264,12 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
         l.kind = light.directional ? 0.0f : 1.0f;
         l.place = light.directional ? glm::vec3(glm::normalize(light.direction)) : glm::vec3((light.position - view.eye) * view.unit);
         if (!light.directional && !(glm::length(glm::dvec3(l.place)) <= kFarthest))
-            throw inputError(placeOfPart(stated.place, scene.path, "light", ""), "a point light is further from the eye than 2^60 times the near plane");
+            throw inputError(placeOfPart(stated.place, scene.path, "light", ""),
+                             "a point light is further from the eye than 2^60 times the near plane");
         if (!(std::max({l.intensity.x, l.intensity.y, l.intensity.z}) <= 0x1p100f))
-            throw inputError(placeOfPart(stated.place, scene.path, "light", ""), "a point light with attenuation is brighter than 2^100 at the near plane's distance: change its "
-                                         "intensity or the near plane");
+            throw inputError(placeOfPart(stated.place, scene.path, "light", ""),
+                             "a point light with attenuation is brighter than 2^100 at the near plane's distance: change its "
+                             "intensity or the near plane");
         p.list.lights.push_back(l);
     }
     bool diffuse = false, specular = false, point = false;
@@ -275,18 +279,30 @@ void planLights(const Scene& scene, const RenderRequest& request, const Pinhole&
     }
     for (const gpu::LightRecord& l : p.list.lights) point |= l.kind != 0;
     FillChoices& c = p.choices;
-    c.encoding = request.encoding == Encoding::linear ? gpu::kEncodeLinear : request.trade.nativeEncode ? gpu::kEncodeNative : gpu::kEncodeSrgb;
+    c.encoding = request.encoding == Encoding::linear ? gpu::kEncodeLinear
+                 : request.trade.nativeEncode         ? gpu::kEncodeNative
+                                                      : gpu::kEncodeSrgb;
     switch (request.shading) {
         case Shading::wire:
-        case Shading::unlit: c.shading = gpu::kShadingUnlit; break;
-        case Shading::flat: c.shading = gpu::kShadingFlat; break;
-        case Shading::gouraud: c.shading = gpu::kShadingGouraud; break;
+        case Shading::unlit:
+            c.shading = gpu::kShadingUnlit;
+            break;
+        case Shading::flat:
+            c.shading = gpu::kShadingFlat;
+            break;
+        case Shading::gouraud:
+            c.shading = gpu::kShadingGouraud;
+            break;
         case Shading::ray:
-        case Shading::phong: c.shading = gpu::kShadingPhong; break;
+        case Shading::phong:
+            c.shading = gpu::kShadingPhong;
+            break;
     }
     using Specular = Trade::Specular;
     const Specular specularBy = request.trade.specular;
-    c.parts.power = specularBy == Specular::schlick ? gpu::kPowerSchlick : specularBy == Specular::native ? gpu::kPowerNative : gpu::kPowerExact;
+    c.parts.power = specularBy == Specular::schlick  ? gpu::kPowerSchlick
+                    : specularBy == Specular::native ? gpu::kPowerNative
+                                                     : gpu::kPowerExact;
     if (c.shading == gpu::kShadingUnlit) {
         c.parts = {false, false, false};
         p.list.lights.clear();
@@ -325,9 +341,16 @@ std::string firstShapePlace(const Scene& scene) {
 void checkSpheres(const Scene& scene, const RenderRequest& request) {
     if (request.shading != Shading::phong) throw usageError("--fill notes illuminates spheres at each pixel: --shading phong");
     if (request.samples != 1) throw usageError("--fill notes draws one sample a pixel: leave --samples out");
-    if (!scene.objects.empty()) throw inputError(firstShapePlace(scene), "it has meshes beside spheres; --fill notes draws spheres in parallel projection and meshes in perspective, so not both");
-    if (scene.lights.size() > size_t(gpu::kSphereLights)) throw inputError(scene.lights[size_t(gpu::kSphereLights)].place.empty() ? printablePath(scene.path) : scene.lights[size_t(gpu::kSphereLights)].place, fmt::format("{} lights; --fill notes draws spheres under at most {}", scene.lights.size(), gpu::kSphereLights));
-    if (!(scene.camera->focalPixels > 0)) throw inputError(firstShapePlace(scene), "--fill notes draws spheres for the viewer of camera.distance, a pixel a unit");
+    if (!scene.objects.empty())
+        throw inputError(
+            firstShapePlace(scene),
+            "it has meshes beside spheres; --fill notes draws spheres in parallel projection and meshes in perspective, so not both");
+    if (scene.lights.size() > size_t(gpu::kSphereLights))
+        throw inputError(scene.lights[size_t(gpu::kSphereLights)].place.empty() ? printablePath(scene.path)
+                                                                                : scene.lights[size_t(gpu::kSphereLights)].place,
+                         fmt::format("{} lights; --fill notes draws spheres under at most {}", scene.lights.size(), gpu::kSphereLights));
+    if (!(scene.camera->focalPixels > 0))
+        throw inputError(firstShapePlace(scene), "--fill notes draws spheres for the viewer of camera.distance, a pixel a unit");
 }
 
 }  // namespace
@@ -337,12 +360,18 @@ namespace {
 // How --sampling names them.
 const char* wordsOf(RayChoices::Sampling sampling) {
     switch (sampling) {
-        case RayChoices::Sampling::grid: return "grid";
-        case RayChoices::Sampling::centre: return "centre: every ray through the middle of its pixel";
-        case RayChoices::Sampling::random: return "random: a ray anywhere in each sample's square";
-        case RayChoices::Sampling::corners: return "corners: a ray through each corner, shared by up to four pixels";
-        case RayChoices::Sampling::adaptive: return "adaptive: corners, and the 16 samples of a grid where they differ";
-        case RayChoices::Sampling::notes: return "notes: through the lower right corner of each sample";
+        case RayChoices::Sampling::grid:
+            return "grid";
+        case RayChoices::Sampling::centre:
+            return "centre: every ray through the middle of its pixel";
+        case RayChoices::Sampling::random:
+            return "random: a ray anywhere in each sample's square";
+        case RayChoices::Sampling::corners:
+            return "corners: a ray through each corner, shared by up to four pixels";
+        case RayChoices::Sampling::adaptive:
+            return "adaptive: corners, and the 16 samples of a grid where they differ";
+        case RayChoices::Sampling::notes:
+            return "notes: through the lower right corner of each sample";
     }
     return "";
 }
@@ -350,24 +379,31 @@ const char* wordsOf(RayChoices::Sampling sampling) {
 void checkRays(const RenderRequest& request) {
     const RayChoices& rays = request.rays;
     const bool corners = rays.sampling == RayChoices::Sampling::corners, adaptive = rays.sampling == RayChoices::Sampling::adaptive;
-    if ((corners || adaptive) && request.samples != 1) throw usageError(fmt::format("--sampling {} has its own number of samples; leave --samples out", corners ? "corners" : "adaptive"));
-    if (adaptive && std::max(request.width, request.height) > 16384) throw usageError("--sampling adaptive: a picture of at most 16384 pixels a side, four samples each");
-    if (corners && std::max(request.width, request.height) > 65535) throw usageError("--sampling corners: a picture of at most 65535 pixels a side, and one corner more");
+    if ((corners || adaptive) && request.samples != 1)
+        throw usageError(fmt::format("--sampling {} has its own number of samples; leave --samples out", corners ? "corners" : "adaptive"));
+    if (adaptive && std::max(request.width, request.height) > 16384)
+        throw usageError("--sampling adaptive: a picture of at most 16384 pixels a side, four samples each");
+    if (corners && std::max(request.width, request.height) > 65535)
+        throw usageError("--sampling corners: a picture of at most 65535 pixels a side, and one corner more");
     for (const float amount : {rays.jitterReflect, rays.jitterRefract, rays.jitterShadow})
         if (!(amount >= 0 && amount <= 0.5f)) throw usageError("--jitter: an amount is outside 0 to 0.5");
-    if (rays.cutLevels && request.encoding != Encoding::linear) throw usageError("--levels cut counts bytes as light: it goes with --encode linear");
+    if (rays.cutLevels && request.encoding != Encoding::linear)
+        throw usageError("--levels cut counts bytes as light: it goes with --encode linear");
 }
 
 void planRays(const RenderRequest& request, Plan& plan) {
     const RayChoices& rays = request.rays;
     const auto by = [](const std::string& who) { return who.empty() ? "" : fmt::format(" (stated by {})", who); };
     const RenderRequest::StatedBy& stated = request.statedBy;
-    if (rays.sampling != RayChoices::Sampling::grid || !stated.sampling.empty()) plan.choices.push_back(fmt::format("sampling {}{}", wordsOf(rays.sampling), by(stated.sampling)));
-    for (const auto& [name, amount] : {std::pair("reflected rays", rays.jitterReflect), std::pair("refracted rays", rays.jitterRefract), std::pair("shadow feelers", rays.jitterShadow)})
+    if (rays.sampling != RayChoices::Sampling::grid || !stated.sampling.empty())
+        plan.choices.push_back(fmt::format("sampling {}{}", wordsOf(rays.sampling), by(stated.sampling)));
+    for (const auto& [name, amount] : {std::pair("reflected rays", rays.jitterReflect), std::pair("refracted rays", rays.jitterRefract),
+                                       std::pair("shadow feelers", rays.jitterShadow)})
         if (amount > 0) plan.choices.push_back(fmt::format("noise of {:g} on {}, seed {}{}", amount, name, rays.seed, by(stated.jitter)));
     if (!stated.seed.empty()) plan.choices.push_back(fmt::format("seed {}{}", rays.seed, by(stated.seed)));
     if (rays.cutLevels || !stated.levels.empty())
-        plan.choices.push_back(fmt::format("levels {}{}", rays.cutLevels ? "cut: colours are whole levels, cut after each ray" : "exact", by(stated.levels)));
+        plan.choices.push_back(
+            fmt::format("levels {}{}", rays.cutLevels ? "cut: colours are whole levels, cut after each ray" : "exact", by(stated.levels)));
 }
 
 // By the resolve pass itself: a mean of equal samples rounds, and a transparent pixel without a covered sample is black.
@@ -396,9 +432,10 @@ Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side) 
     const double width = double(p.width) * p.side, height = double(p.height) * p.side;
     const double guard = 2.0 * gpu::kGuardPixels;
     if ((width + guard) * (height + guard) >= 0x1p31 || width > 65536 || height > 65536)
-        throw usageError(fmt::format("--size: {}x{} with {} samples a pixel is beyond the exact grid: (width + 16384) (height + "
-                                     "16384) must stay below 2^31, each side at most 65536 samples",
-                                     p.width, p.height, request.samples));
+        throw usageError(
+            fmt::format("--size: {}x{} with {} samples a pixel is beyond the exact grid: (width + 16384) (height + "
+                        "16384) must stay below 2^31, each side at most 65536 samples",
+                        p.width, p.height, request.samples));
     const Pinhole view = pinholeOf(*scene.camera, width, height, p.side);
     DrawList& list = p.list;
     list.viewport = {float(width / 2), float(height / 2), float(width / 2) + gpu::kGuardPixels, float(height / 2) + gpu::kGuardPixels,
@@ -429,7 +466,8 @@ Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side) 
     const bool rays = request.shading == Shading::ray;
     const bool discs = drawsSpheres(scene, request);
     if (!scene.zBuffer && (request.fill != Fill::notes || request.shading == Shading::wire || discs))
-        throw inputError(scene.zBufferPlace.empty() ? printablePath(scene.path) : scene.zBufferPlace, "z_buffer = false is for the polygons of --fill notes; every other picture needs one");
+        throw inputError(scene.zBufferPlace.empty() ? printablePath(scene.path) : scene.zBufferPlace,
+                         "z_buffer = false is for the polygons of --fill notes; every other picture needs one");
     if (discs) checkSpheres(scene, request);
     if (onlyRaysDraw(scene) && !rays && !discs)
         throw inputError(firstShapePlace(scene), "it has spheres or planes, which only --shading ray draws, spheres --fill notes too");
@@ -459,7 +497,9 @@ Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side) 
     if (atPixels && (trade.vectors == Vectors::face || trade.vectors == Vectors::vertex)) {
         const char* which = trade.vectors == Vectors::face ? "face" : "vertex";
         if (trade.coarse) throw usageError(fmt::format("light-vector={} shades every pixel: leave rate=1/2 out", which));
-        if (trade.native()) throw usageError(fmt::format("light-vector={} takes none of the device's own functions: leave specular=native and encode=native out", which));
+        if (trade.native())
+            throw usageError(fmt::format(
+                "light-vector={} takes none of the device's own functions: leave specular=native and encode=native out", which));
         if (!list.lights.empty() && (p.choices.parts.diffuse || p.choices.parts.specular))
             p.choices.vectors = trade.vectors == Vectors::face ? gpu::kVectorsFace : gpu::kVectorsVertex;
     }
@@ -480,18 +520,22 @@ Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side) 
     } else if (rays) {
         planRays(request, plan);
     } else if (discs) {
-        plan.choices.push_back(fmt::format("fill notes: spheres pixel by pixel in parallel projection, z {}", scene.wholeSphereHeights ? "rounded to whole numbers" : "not rounded"));
+        plan.choices.push_back(fmt::format("fill notes: spheres pixel by pixel in parallel projection, z {}",
+                                           scene.wholeSphereHeights ? "rounded to whole numbers" : "not rounded"));
     } else if (request.fill == Fill::notes) {
-        plan.choices.push_back("fill notes: corners on whole pixels, both ends of a line painted, what is carried interpolated along edges and lines");
+        plan.choices.push_back(
+            "fill notes: corners on whole pixels, both ends of a line painted, what is carried interpolated along edges and lines");
     }
     if (p.side > 1)
         plan.choices.push_back(fmt::format("{} samples a pixel: the frame is drawn at {}x{} and resolved in linear light", request.samples,
                                            uint32_t(width), uint32_t(height)));
     if (request.distantViewer) plan.choices.push_back("viewer: distant, one vector toward it for every point");
     if (trade.specular == Trade::Specular::schlick) plan.choices.push_back("specular: Schlick's quotient in place of the power");
-    if (trade.vectors == Trade::Vectors::scene) plan.choices.push_back("light-vector: one direction to the eye and to each light for the whole scene");
+    if (trade.vectors == Trade::Vectors::scene)
+        plan.choices.push_back("light-vector: one direction to the eye and to each light for the whole scene");
     if (p.choices.vectors == gpu::kVectorsFace) plan.choices.push_back("light-vector: directions made once a face, at its centre");
-    if (p.choices.vectors == gpu::kVectorsVertex) plan.choices.push_back("light-vector: directions made at the corners and interpolated, not made unit again");
+    if (p.choices.vectors == gpu::kVectorsVertex)
+        plan.choices.push_back("light-vector: directions made at the corners and interpolated, not made unit again");
     if ((trade.vectors == Vectors::face || trade.vectors == Vectors::vertex) && p.choices.vectors == gpu::kVectorsPixel)
         plan.choices.push_back("light-vector: no pixel is lit by a direction of its own; nothing changes");
     if (trade.affine) plan.choices.push_back("interpolation: affine");
@@ -499,10 +543,14 @@ Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side) 
     if (list.numbers == Numbers::fp64) plan.choices.push_back("transform: binary64, rounded to float32 at its end");
     if (trade.specular == Trade::Specular::native) plan.choices.push_back("specular: the device's own power (bounded)");
     if (trade.nativeEncode && request.encoding == Encoding::srgb) plan.choices.push_back("encode: the device's own power (bounded)");
-    if (!trade.unitNormals) plan.choices.push_back(p.choices.unitNormals ? "normals: as interpolated; no pixel is shaded by one" : "normals: as interpolated, not made unit at pixels");
+    if (!trade.unitNormals)
+        plan.choices.push_back(p.choices.unitNormals ? "normals: as interpolated; no pixel is shaded by one"
+                                                     : "normals: as interpolated, not made unit at pixels");
     if (trade.coarse) plan.choices.push_back(p.choices.coarse ? "rate: one pixel in 2x2 is shaded" : "rate: 1/2; no pixel is shaded");
-    if (trade.depthBits == gpu::kDepthStandard) plan.choices.push_back("depth: 1 - n/w in float32");
-    else if (trade.depthBits != 32) plan.choices.push_back(fmt::format("depth: fixed point of {} bits", trade.depthBits));
+    if (trade.depthBits == gpu::kDepthStandard)
+        plan.choices.push_back("depth: 1 - n/w in float32");
+    else if (trade.depthBits != 32)
+        plan.choices.push_back(fmt::format("depth: fixed point of {} bits", trade.depthBits));
     if (trade.subpixelBits != 8) plan.choices.push_back(fmt::format("subpixel: {} bits", trade.subpixelBits));
     plan.choices.push_back(fmt::format("near plane at {}", view.near));
     return p;
@@ -542,8 +590,7 @@ std::string leftToRays(const Scene& scene, const RenderRequest& request) {
 
 Plan planRender(const Scene& scene, const RenderRequest& request, RunsOn side) { return prepare(scene, request, side).plan; }
 
-PlaneWriter::PlaneWriter(const Prepared& prepared, uint32_t planes, Frame& frame)
-    : prepared_(prepared), planes_(planes), frame_(frame) {
+PlaneWriter::PlaneWriter(const Prepared& prepared, uint32_t planes, Frame& frame) : prepared_(prepared), planes_(planes), frame_(frame) {
     restart();
 }
 
@@ -586,7 +633,9 @@ void PlaneWriter::write(uint32_t x, uint32_t y, int zBits, uint32_t triangle, co
     if ((planes_ & kPlaneNormal) && normal) std::copy(normal, normal + 3, frame_.normal.begin() + ptrdiff_t(3 * at));
     if (planes_ & kPlaneTriangle) frame_.triangle[at] = triangle;
     if (planes_ & (kPlaneObject | kPlanePrimitive)) {
-        const auto holds = [&](const DrawList::Range& r) { return triangle >= r.firstTriangle && triangle < r.firstTriangle + r.triangleCount; };
+        const auto holds = [&](const DrawList::Range& r) {
+            return triangle >= r.firstTriangle && triangle < r.firstTriangle + r.triangleCount;
+        };
         if (!holds(list.ranges[range_])) {
             range_ = 0;
             while (!holds(list.ranges[range_])) ++range_;

@@ -13,17 +13,17 @@ namespace plumb {
 
 struct Prepared {
     DrawList list;
-    FillChoices choices;          // planes, prior, wide and colour are set by the renderers
-    uint32_t width = 0, height = 0, side = 1;   // picture; samples a pixel = side * side
-    float near = 0;               // near plane in scene units; the passes' own is list.viewport.near, in [1, 2)
-    double unit = 1;              // the passes' lengths per unit of the scene, a power of two
-    uint32_t background = 0;      // encoded; of a sample
+    FillChoices choices;                       // planes, prior, wide and colour are set by the renderers
+    uint32_t width = 0, height = 0, side = 1;  // picture; samples a pixel = side * side
+    float near = 0;                            // near plane in scene units; the passes' own is list.viewport.near, in [1, 2)
+    double unit = 1;                           // the passes' lengths per unit of the scene, a power of two
+    uint32_t background = 0;                   // encoded; of a sample
     glm::vec3 backgroundLinear{0};
-    uint32_t undrawn = 0;         // encoded pixel of which no sample is drawn, as resolving leaves it
+    uint32_t undrawn = 0;  // encoded pixel of which no sample is drawn, as resolving leaves it
     glm::vec3 undrawnLinear{0};
-    glm::vec3 rayOrigin{0}, rayX{0}, rayY{0};   // to each sample; the list's own are those that shading takes
+    glm::vec3 rayOrigin{0}, rayX{0}, rayY{0};  // to each sample; the list's own are those that shading takes
     Plan plan;
-    RenderCounters counters;      // objects, vertices, triangles
+    RenderCounters counters;  // objects, vertices, triangles
 };
 
 // Throws Error(input) for what no pass can draw (a frame or a scene beyond the stated limits). Only the plan's steps depend on the side.
@@ -34,7 +34,7 @@ Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side =
 class PlaneWriter {
 public:
     PlaneWriter(const Prepared& prepared, uint32_t planes, Frame& frame);
-    void restart();               // every plane, colour included, as a picture has it in which nothing is drawn
+    void restart();  // every plane, colour included, as a picture has it in which nothing is drawn
     void write(uint32_t x, uint32_t y, int zBits, uint32_t triangle, const float* normal);
 
 private:

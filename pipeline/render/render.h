@@ -27,14 +27,14 @@ struct Trade {
     static constexpr uint32_t kStandardDepth = 33;  // as depthBits
 
     Specular specular = Specular::exact;
-    Vectors vectors = Vectors::pixel;     // Phong: where directions to the eye and to each light are made; scene: at the framed centre
-    Numbers numbers = Numbers::fp32;      // in which vertices are transformed; the other two are more accurate
-    bool affine = false;                  // attributes interpolated without perspective
-    uint32_t depthBits = 32;              // 32: n/w as float32; kStandardDepth: float32 of 1 - n/w; 16, 24: n/w as fixed point
-    uint32_t subpixelBits = 8;            // 8, 4: what vertices are snapped to
-    bool unitNormals = true;              // false: interpolated normals are not made unit at pixels (Phong)
-    bool coarse = false;                  // one pixel in 2 x 2 is shaded (Phong)
-    bool nativeEncode = false;            // sRGB by the device's pow
+    Vectors vectors = Vectors::pixel;  // Phong: where directions to the eye and to each light are made; scene: at the framed centre
+    Numbers numbers = Numbers::fp32;   // in which vertices are transformed; the other two are more accurate
+    bool affine = false;               // attributes interpolated without perspective
+    uint32_t depthBits = 32;           // 32: n/w as float32; kStandardDepth: float32 of 1 - n/w; 16, 24: n/w as fixed point
+    uint32_t subpixelBits = 8;         // 8, 4: what vertices are snapped to
+    bool unitNormals = true;           // false: interpolated normals are not made unit at pixels (Phong)
+    bool coarse = false;               // one pixel in 2 x 2 is shaded (Phong)
+    bool nativeEncode = false;         // sRGB by the device's pow
     // The device's own functions, whose last bits are its own: the twin is not equal to the device, but within a bound (bound.h).
     bool native() const { return specular == Specular::native || nativeEncode; }
     bool operator==(const Trade&) const = default;
@@ -42,61 +42,65 @@ struct Trade {
 
 // Where rays pass through a pixel, how they spread, and how their colours add up (Shading::ray; docs/rays.md).
 struct RayChoices {
-    using Sampling = plumb::Sampling;     // adaptive: 16 samples where a pixel's corners differ by more than kCornerLevels
+    using Sampling = plumb::Sampling;  // adaptive: 16 samples where a pixel's corners differ by more than kCornerLevels
     Sampling sampling = Sampling::grid;
     float jitterReflect = 0, jitterRefract = 0, jitterShadow = 0;  // noise on unit vectors, 0 to 1/2
-    uint32_t seed = 0;                    // of the noise and of Sampling::random
-    bool cutLevels = false;               // whole levels, cut after each ray, as the notes' C program adds colours; Encoding::linear
+    uint32_t seed = 0;                                             // of the noise and of Sampling::random
+    bool cutLevels = false;  // whole levels, cut after each ray, as the notes' C program adds colours; Encoding::linear
 };
-inline constexpr int kCornerLevels = 4;   // of an encoded channel
+inline constexpr int kCornerLevels = 4;  // of an encoded channel
 
 struct RenderRequest {
     uint32_t width = 640, height = 480;
     Shading shading = Shading::phong;
-    std::string shadingReason;            // why, where nobody stated it; for the plan
-    struct StatedBy { std::string sampling, jitter, seed, levels; } statedBy;  // "--seed", "the scene; --seed overrides", or nothing; for the plan
+    std::string shadingReason;  // why, where nobody stated it; for the plan
+    struct StatedBy {
+        std::string sampling, jitter, seed, levels;
+    } statedBy;  // "--seed", "the scene; --seed overrides", or nothing; for the plan
     Fill fill = Fill::exact;
     WireView wire = WireView::seeThrough;
-    bool wirePerPolygon = false;          // each edge as often as polygons have it (section 2 of the notes); WireView::solid always does
+    bool wirePerPolygon = false;  // each edge as often as polygons have it (section 2 of the notes); WireView::solid always does
     Encoding encoding = Encoding::srgb;
-    uint32_t samples = 1;                 // 1, 4, 16: ordered grid
+    uint32_t samples = 1;  // 1, 4, 16: ordered grid
     Trade trade;
-    bool distantViewer = false;           // one vector toward the viewer for all points (raster shadings); --fill notes also culls by it
-    glm::vec3 background{0.0f};           // linear RGB
-    bool transparent = false;             // RGBA output, background alpha 0
-    uint32_t planes = kPlaneColour;       // Plane bits
-    uint32_t threads = 0;                 // twin: 0 = all
+    bool distantViewer = false;      // one vector toward the viewer for all points (raster shadings); --fill notes also culls by it
+    glm::vec3 background{0.0f};      // linear RGB
+    bool transparent = false;        // RGBA output, background alpha 0
+    uint32_t planes = kPlaneColour;  // Plane bits
+    uint32_t threads = 0;            // twin: 0 = all
     // Limits for tests; 0 = from the device and the budget.
     uint64_t chunkTriangles = 0;
     uint32_t bandRows = 0;
-    std::function<bool(double)> onProgress; // 0..1; false cancels (Error(interrupted))
+    std::function<bool(double)> onProgress;  // 0..1; false cancels (Error(interrupted))
     double watchdogMs = 60000;
-    uint32_t maxDepth = 5;                // rays one after another, 1 to 64 (Shading::ray)
-    float minWeight = 0;                  // a ray that weighs less is not followed
+    uint32_t maxDepth = 5;  // rays one after another, 1 to 64 (Shading::ray)
+    float minWeight = 0;    // a ray that weighs less is not followed
     RayChoices rays;
-    uint32_t rayLimit = 0;                // tests: rays that a sample follows in one dispatch; forces the list form. 0: as the scene asks
-    bool repeated = false;                // drawn many times: kernels that take longer to make may be faster; changes no byte
-    bool keepEverything = false;          // drop nothing that a plan would drop (tests of the drops)
+    uint32_t rayLimit = 0;        // tests: rays that a sample follows in one dispatch; forces the list form. 0: as the scene asks
+    bool repeated = false;        // drawn many times: kernels that take longer to make may be faster; changes no byte
+    bool keepEverything = false;  // drop nothing that a plan would drop (tests of the drops)
 };
 
 struct RenderCounters {
     uint64_t objects = 0, objectsDrawn = 0, vertices = 0, triangles = 0;
     uint64_t culledBackFace = 0, culledZeroArea = 0, culledOutside = 0, clipped = 0, drawnTriangles = 0;
-    uint64_t illuminations = 0;           // flat: faces, Gouraud: vertices, Phong: shaded samples
-    uint64_t polygons = 0, normals = 0;   // fill notes: faces met; a normal a face, and one a corner where corners are shaded
+    uint64_t illuminations = 0;          // flat: faces, Gouraud: vertices, Phong: shaded samples
+    uint64_t polygons = 0, normals = 0;  // fill notes: faces met; a normal a face, and one a corner where corners are shaded
     uint64_t chunks = 0, bands = 0, binEntries = 0, edges = 0;
-    struct RayCounts { uint64_t primary = 0, reflected = 0, refracted = 0, feelers = 0; };
-    std::vector<RayCounts> rays;          // by depth, first the primary rays'; empty unless rays were traced
-    uint64_t refinedPixels = 0;           // RayChoices::Sampling::adaptive: pixels whose corners differ
-    uint64_t undecidedRays = 0;           // parallel to a plane within rounding: counted as no hit
+    struct RayCounts {
+        uint64_t primary = 0, reflected = 0, refracted = 0, feelers = 0;
+    };
+    std::vector<RayCounts> rays;  // by depth, first the primary rays'; empty unless rays were traced
+    uint64_t refinedPixels = 0;   // RayChoices::Sampling::adaptive: pixels whose corners differ
+    uint64_t undecidedRays = 0;   // parallel to a plane within rounding: counted as no hit
 };
 
 struct RenderResult {
     Frame frame;
     Plan plan;
     RenderCounters counters;
-    std::vector<PassTime> times;          // per pass, ms
-    double totalMs = 0;                   // host time of the whole render, upload and readback included
+    std::vector<PassTime> times;  // per pass, ms
+    double totalMs = 0;           // host time of the whole render, upload and readback included
 };
 
 // Spheres that --fill notes draws, as the notes' implicit sphere rendering.
@@ -111,7 +115,7 @@ std::string leftToRays(const Scene&, const RenderRequest&);
 
 // The plan of the picture on that side, without drawing it.
 Plan planRender(const Scene&, const RenderRequest&, RunsOn side);
-RenderResult renderCpu(const Scene&, const RenderRequest&);             // the twin
+RenderResult renderCpu(const Scene&, const RenderRequest&);  // the twin
 RenderResult renderGpu(Device&, const Scene&, const RenderRequest&);
 
 // A scene that stays on the device between pictures. A further picture costs its passes only: nothing is uploaded again, and buffers and
@@ -132,11 +136,11 @@ public:
 
     // A scene that needs several chunks or bands, wire frames and samples are drawn as renderGpu draws them, uploads included.
     Picture draw();
-    bool resident() const;                // the last draw() uploaded nothing but what the passes' own host steps write
-    RenderCounters counters() const;      // of the last draw()
+    bool resident() const;            // the last draw() uploaded nothing but what the passes' own host steps write
+    RenderCounters counters() const;  // of the last draw()
     // The passes of one picture, each submitted by itself and timed by the host (Recorder::timeApart); draws it once more.
     std::vector<PassTime> timePasses();
-    std::vector<PassTime> takeTimes();    // of all draws since the last call
+    std::vector<PassTime> takeTimes();  // of all draws since the last call
 
 private:
     struct Impl;
@@ -145,22 +149,22 @@ private:
 
 // Compares every pass on the twin's input, then the whole chain on each side's own output.
 struct Mismatch {
-    std::string pass;                     // first pass (in data-flow order) that differs
-    bool chain = false;                   // found by the whole-chain comparison
-    std::string what;                     // one sentence: tile, pixel, both values, ULP distance, object, primitive
+    std::string pass;    // first pass (in data-flow order) that differs
+    bool chain = false;  // found by the whole-chain comparison
+    std::string what;    // one sentence: tile, pixel, both values, ULP distance, object, primitive
 };
 struct VerifyPlane {
     std::string name, twinSha256, deviceSha256;
     uint64_t differing = 0;
-    uint64_t beyond = 0;                  // of these: further apart than the bound of the device's own functions (0 apart where there is none)
+    uint64_t beyond = 0;  // of these: further apart than the bound of the device's own functions (0 apart where there is none)
 };
 struct VerifyReport {
-    bool equal = false;                   // nothing is beyond: the same bytes, or within the bound where the choices have one
-    bool bounded = false;                 // the device's own functions draw (Trade::native()), and colours are compared with their bound:
-    glm::dvec3 boundLinear{0};            // in linear light
-    double boundSteps = 0;                // and in steps of the code
-    std::vector<Mismatch> mismatches;     // empty when equal
-    std::vector<VerifyPlane> planes;      // coverage, and every plane that a picture of this shading has
+    bool equal = false;                // nothing is beyond: the same bytes, or within the bound where the choices have one
+    bool bounded = false;              // the device's own functions draw (Trade::native()), and colours are compared with their bound:
+    glm::dvec3 boundLinear{0};         // in linear light
+    double boundSteps = 0;             // and in steps of the code
+    std::vector<Mismatch> mismatches;  // empty when equal
+    std::vector<VerifyPlane> planes;   // coverage, and every plane that a picture of this shading has
     std::vector<std::pair<std::string, bool>> passes;  // per pass on the twin's input
     RenderResult twin, device;
 };

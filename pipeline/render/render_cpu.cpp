@@ -6,10 +6,10 @@
 #include "pipeline/render/notes.h"
 #include "pipeline/render/spheres_frame.h"
 #include "pipeline/render/stopwatch.h"
-#include "pipeline/scene/plain_floats.h"
 #include "pipeline/render/trace_frame.h"
 #include "pipeline/render/twin_frame.h"
 #include "pipeline/render/wire.h"
+#include "pipeline/scene/plain_floats.h"
 
 #include <algorithm>
 #include <bit>
@@ -41,9 +41,8 @@ void drawRaster(const Prepared& p, const RenderRequest& request, PlaneWriter& wr
     const bool wantNormal = request.planes & kPlaneNormal;
     const TwinGeometry g = twinGeometry(list, p.choices, false, threads, &result.times);
     // The normal plane of a picture that is not shaded by normals: the same vertices, carrying normals.
-    const TwinGeometry withNormals = wantNormal && p.choices.shading != gpu::kShadingPhong
-                                         ? twinGeometry(list, p.choices, true, threads, nullptr)
-                                         : TwinGeometry{};
+    const TwinGeometry withNormals =
+        wantNormal && p.choices.shading != gpu::kShadingPhong ? twinGeometry(list, p.choices, true, threads, nullptr) : TwinGeometry{};
     countGeometry(g, result.counters);
     uint32_t bandRows = uint32_t(std::max<uint64_t>(side, kTwinBandSamples / uint64_t(list.frame.width) / side * side));
     if (request.bandRows) bandRows = request.bandRows * side;

@@ -17,9 +17,12 @@ RenderResult renderGpu(Device& device, const Scene& scene, const RenderRequest& 
     RenderResult result;
     result.plan = p.plan;
     result.counters = p.counters;
-    if (rays) traceFrameGpu(device, p, scene, request, result);
-    else if (drawsSpheres(scene, request)) drawSpheresGpu(device, scene, p, request, result);
-    else drawNotesGpu(device, scene, p, request, result);
+    if (rays)
+        traceFrameGpu(device, p, scene, request, result);
+    else if (drawsSpheres(scene, request))
+        drawSpheresGpu(device, scene, p, request, result);
+    else
+        drawNotesGpu(device, scene, p, request, result);
     result.plan.close(result.times);
     result.totalMs = total.elapsedMs();
     return result;

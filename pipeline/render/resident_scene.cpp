@@ -11,9 +11,9 @@ namespace plumb {
 
 struct ResidentScene::Impl {
     Device& device;
-    Scene scene;                          // for pictures that are not drawn in place
+    Scene scene;  // for pictures that are not drawn in place
     RenderRequest request;
-    std::unique_ptr<DeviceRender> render; // or, of rays:
+    std::unique_ptr<DeviceRender> render;  // or, of rays:
     std::unique_ptr<ResidentTrace> trace;
     RenderResult whole;
     std::vector<PassTime> times;
@@ -21,11 +21,13 @@ struct ResidentScene::Impl {
 
     Impl(Device& d, const Scene& s, const RenderRequest& r) : device(d), scene(s), request(r) {
         request.planes = kPlaneColour;
-        request.transparent = true;       // alpha is coverage
+        request.transparent = true;  // alpha is coverage
         request.repeated = true;
         const PlainFloats plain;
-        if (request.shading == Shading::ray) trace = std::make_unique<ResidentTrace>(device, scene, request);
-        else render = std::make_unique<DeviceRender>(device, scene, request);
+        if (request.shading == Shading::ray)
+            trace = std::make_unique<ResidentTrace>(device, scene, request);
+        else
+            render = std::make_unique<DeviceRender>(device, scene, request);
     }
 };
 
@@ -41,7 +43,7 @@ ResidentScene::Picture ResidentScene::draw() {
         const GpuFrame& frame = v.render->frame();
         return {frame.colourWords().data(), v.request.width, v.request.height, frame.rowPixels()};
     }
-    v.render.reset();                     // their buffers make room
+    v.render.reset();  // their buffers make room
     v.trace.reset();
     v.whole = renderGpu(v.device, v.scene, v.request);
     v.times.insert(v.times.end(), v.whole.times.begin(), v.whole.times.end());

@@ -84,14 +84,12 @@ double alongLongRow(const gpu::LongRow& row, const glm::vec4& p) {
 class Reread {
 public:
     Reread(const Scene& scene, const RenderRequest& request)
-        : p_(prepare(scene, request)),
-          g_(twinGeometry(p_.list, p_.choices, false, threadCount(request.threads), nullptr)) {
+        : p_(prepare(scene, request)), g_(twinGeometry(p_.list, p_.choices, false, threadCount(request.threads), nullptr)) {
         const DrawList& list = p_.list;
         const bool gouraud = p_.choices.shading == gpu::kShadingGouraud;
         z_.resize(g_.screen.size());
         carried_.resize(g_.screen.size());
-        for (size_t i = 0; i < g_.screen.size();
-             ++i) {  // clipped corners stay as they are: where an edge was cut is a decision
+        for (size_t i = 0; i < g_.screen.size(); ++i) {  // clipped corners stay as they are: where an edge was cut is a decision
             z_[i] = double(g_.screen[i].z);
             carried_[i] = dvec3(g_.carried[i]);
         }
@@ -102,10 +100,8 @@ public:
                 const double w = list.numbers == Numbers::fp32 ? alongRow(o.rowW, list.positions[v]) + double(o.rowW.w)
                                                                : alongLongRow(list.longs[r.record].w, list.positions[v]);
                 if (g_.screen[v].outcode == 0) z_[v] = double(list.viewport.near) / w;
-                carried_[v] = gouraud ? lit(o, list.positions[v], list.normals[v], list.vertexMaterial[v])
-                                      : normalOf(o, list.normals[v]);
-                if (!gouraud && !p_.choices.unitNormals)
-                    carried_[v] *= reread::reciprocalRoot(glm::dot(carried_[v], carried_[v]));
+                carried_[v] = gouraud ? lit(o, list.positions[v], list.normals[v], list.vertexMaterial[v]) : normalOf(o, list.normals[v]);
+                if (!gouraud && !p_.choices.unitNormals) carried_[v] *= reread::reciprocalRoot(glm::dot(carried_[v], carried_[v]));
             }
             if (p_.choices.shading == gpu::kShadingFlat)
                 for (uint32_t f = r.firstFace; f < r.firstFace + r.faceCount; ++f)
@@ -127,8 +123,7 @@ public:
         for (size_t i = 0; i < 3; ++i) {
             const gpu::ScreenVertex &a = g_.screen[d.vertex[(i + 1) % 3]],
                                     &b = g_.screen[d.vertex[(i + 2) % 3]];  // of the edge across corner i
-            const int64_t px = column * gpu::kSubpixels + gpu::kHalfPixel - a.x,
-                          py = row * gpu::kSubpixels + gpu::kHalfPixel - a.y;
+            const int64_t px = column * gpu::kSubpixels + gpu::kHalfPixel - a.x, py = row * gpu::kSubpixels + gpu::kHalfPixel - a.y;
             e[i] = double(int64_t(b.y - a.y) * px + int64_t(a.x - b.x) * py);
             weights += e[i];
         }
@@ -145,8 +140,7 @@ public:
         shares /= share;
         if (shading == gpu::kShadingGouraud) return sum;
         if (p_.choices.unitNormals) sum *= reread::reciprocalRoot(glm::dot(sum, sum));
-        const dvec3 ray =
-            dvec3(list.rayOrigin) + dvec3(list.rayX) * (double(column) + 0.5) + dvec3(list.rayY) * (double(row) + 0.5);
+        const dvec3 ray = dvec3(list.rayOrigin) + dvec3(list.rayX) * (double(column) + 0.5) + dvec3(list.rayY) * (double(row) + 0.5);
         if (p_.choices.vectors != gpu::kVectorsPixel) return shadeByVectors(d, m, sum, shares);
         return shadeAt(m, sum, -ray, ray * (double(list.viewport.near) / z));
     }
@@ -157,8 +151,7 @@ private:
     }
 
     dvec3 lit(const gpu::ObjectRecord& o, const glm::vec4& position, const glm::vec4& normal, uint32_t material) const {
-        const dvec3 p(alongRow(o.world0, position) + double(o.world0.w),
-                      alongRow(o.world1, position) + double(o.world1.w),
+        const dvec3 p(alongRow(o.world0, position) + double(o.world0.w), alongRow(o.world1, position) + double(o.world1.w),
                       alongRow(o.world2, position) + double(o.world2.w));
         dvec3 n = normalOf(o, normal);
         n *= reread::reciprocalRoot(glm::dot(n, n));
@@ -173,7 +166,8 @@ private:
         for (int i = 0; i < 3; ++i) {
             const gpu::ScreenVertex& v = g_.screen[d.vertex[i]];
             places[i] = face ? dvec3(list.facePlaces[list.triangleFace[d.source]])
-                             : (dvec3(list.rayOrigin) + dvec3(list.rayX) * (double(v.x) / gpu::kSubpixels) + dvec3(list.rayY) * (double(v.y) / gpu::kSubpixels)) *
+                             : (dvec3(list.rayOrigin) + dvec3(list.rayX) * (double(v.x) / gpu::kSubpixels) +
+                                dvec3(list.rayY) * (double(v.y) / gpu::kSubpixels)) *
                                    (double(list.viewport.near) / z_[d.vertex[i]]);
         }
         const auto made = [&](const auto& toward) {
@@ -192,7 +186,8 @@ private:
         const reread::Surface s{n.x, n.y, n.z, eye.x, eye.y, eye.z, 0, 0, 0};
         reread::Colour c{double(m.base.x), double(m.base.y), double(m.base.z)};
         for (const gpu::LightRecord& light : list.lights) {
-            const dvec4 place(glm::dvec3(light.place), double(light.kind)), intensity(glm::dvec3(light.intensity), double(light.attenuation));
+            const dvec4 place(glm::dvec3(light.place), double(light.kind)),
+                intensity(glm::dvec3(light.intensity), double(light.attenuation));
             const auto lamp = [&](const dvec3& p) {
                 reread::Toward t = reread::towardLight(place, intensity.w, true, p.x, p.y, p.z);
                 if (!(t.fade < 0x1p100)) t.fade = 0;
@@ -208,7 +203,7 @@ private:
         return {parts.diffuse, parts.specular, parts.point, parts.power};
     }
     static reread::Reflectance reflects(const gpu::MaterialRecord& m) {
-        return {double(m.diffuse.x),  double(m.diffuse.y),  double(m.diffuse.z),  double(m.specular.x),
+        return {double(m.diffuse.x),  double(m.diffuse.y),  double(m.diffuse.z), double(m.specular.x),
                 double(m.specular.y), double(m.specular.z), double(m.shininess), double(m.zeroPower)};
     }
 
@@ -219,8 +214,7 @@ private:
         reread::Colour c{double(m.base.x), double(m.base.y), double(m.base.z)};
         for (const gpu::LightRecord& light : p_.list.lights)
             reread::addLight(dvec4(glm::dvec3(light.place), double(light.kind)),
-                             dvec4(glm::dvec3(light.intensity), double(light.attenuation)), s, k,
-                             partsRead(), c);
+                             dvec4(glm::dvec3(light.intensity), double(light.attenuation)), s, k, partsRead(), c);
         return {c.r, c.g, c.b};
     }
 
@@ -235,7 +229,8 @@ private:
 
 std::optional<Rounding> roundingOf(const Scene& scene, const RenderRequest& request, const Frame& frame) {
     const PlainFloats plain;
-    if (request.shading == Shading::wire || request.shading == Shading::ray || request.fill == Fill::notes || request.distantViewer) return {};
+    if (request.shading == Shading::wire || request.shading == Shading::ray || request.fill == Fill::notes || request.distantViewer)
+        return {};
     const Reread again(scene, request);
     const Prepared& p = again.prepared();
     if (p.choices.coarse) return {};
@@ -267,8 +262,7 @@ std::optional<Rounding> roundingOf(const Scene& scene, const RenderRequest& requ
                             continue;
                         }
                         ++covered;
-                        sum += again.at(again.geometry().draws[draw[at] - 1], int64_t(column),
-                                        int64_t(row) + band.firstRow, z[at]);
+                        sum += again.at(again.geometry().draws[draw[at] - 1], int64_t(column), int64_t(row) + band.firstRow, z[at]);
                     }
                     if (covered == 0) continue;
                     sum /= double(request.transparent && side > 1 ? covered : side * side);

@@ -6,11 +6,11 @@
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/scene/text.h"
 
-#include <cstddef>
-#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
@@ -35,15 +35,12 @@ Listed listOf(const Scene& scene, const Prepared& p, const RenderRequest& reques
             throw inputError(placeOfPart(s.place, scene.path, "sphere", s.name.empty() ? std::to_string(i) : s.name), what);
         };
         if (s.radius < 1 || s.radius > gpu::kSphereReach)
-            refuse(fmt::format("its radius is {:g}; --fill notes draws spheres of 1 to {} pixels", s.radius,
-                               gpu::kSphereReach));
+            refuse(fmt::format("its radius is {:g}; --fill notes draws spheres of 1 to {} pixels", s.radius, gpu::kSphereReach));
         const glm::dvec3 centre = s.centre - eye;
         if (!(centre.z - s.radius >= double(p.near)))
             refuse("it reaches behind the near plane, and --fill notes cuts no spheres: move it or the viewer");
-        if (!(glm::length(centre) * p.unit <= 0x1p60))
-            refuse("it is further from the eye than 2^60 times the near plane");
-        const double column = std::nearbyint(double(p.width) / 2 + centre.x),
-                     row = std::nearbyint(double(p.height) / 2 - centre.y);
+        if (!(glm::length(centre) * p.unit <= 0x1p60)) refuse("it is further from the eye than 2^60 times the near plane");
+        const double column = std::nearbyint(double(p.width) / 2 + centre.x), row = std::nearbyint(double(p.height) / 2 - centre.y);
         gpu::SphereDisc d{};
         d.column = int(std::clamp(column, -kFar, kFar));
         d.row = int(std::clamp(row, -kFar, kFar));
@@ -62,8 +59,8 @@ SphereLight lightOf(const Scene& scene, const Prepared& p) {
     return {p.choices.parts, p.list.materials, p.list.lights, scene.wholeSphereHeights, float(p.unit)};
 }
 
-void write(const Scene& scene, const Prepared& p, const RenderRequest& request, const Listed& listed,
-           const SphereCanvas& canvas, RenderResult& result) {
+void write(const Scene& scene, const Prepared& p, const RenderRequest& request, const Listed& listed, const SphereCanvas& canvas,
+           RenderResult& result) {
     const Stopwatch watch(&result.times, "encode");
     Frame& out = result.frame;
     const PlaneWriter restarted(p, request.planes, out);  // every plane as if nothing were drawn
@@ -85,8 +82,7 @@ void write(const Scene& scene, const Prepared& p, const RenderRequest& request, 
             const gpu::Surface s = gpu::sphereSurface(d, x, y, gpu::sphereHeight(d, x, y, scene.wholeSphereHeights), 1);
             std::copy_n(&glm::vec3(s.nx, s.ny, s.nz)[0], 3, out.normal.begin() + ptrdiff_t(3 * i));
         }
-        if (request.planes & kPlaneObject)
-            out.object[i] = uint32_t(scene.objects.size()) + listed.from[canvas.owner[i]];
+        if (request.planes & kPlaneObject) out.object[i] = uint32_t(scene.objects.size()) + listed.from[canvas.owner[i]];
         if (request.planes & kPlanePrimitive) out.primitive[i] = 0;
     }
     result.counters.objectsDrawn = listed.list.discs.size();
@@ -106,13 +102,11 @@ void drawSpheresCpu(const Scene& scene, const Prepared& prepared, const RenderRe
     write(scene, prepared, request, listed, canvas, result);
 }
 
-void drawSpheresGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request,
-                    RenderResult& result) {
+void drawSpheresGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result) {
     const Listed listed = listOf(scene, prepared, request);
     Recorder recorder(device);
     recorder.allow(prepared.plan.labels(RunsOn::device));
-    const SphereCanvas canvas =
-        spheresGpu(device, recorder, listed.list, lightOf(scene, prepared), {}, request.watchdogMs);
+    const SphereCanvas canvas = spheresGpu(device, recorder, listed.list, lightOf(scene, prepared), {}, request.watchdogMs);
     result.times = recorder.takeTimes();
     write(scene, prepared, request, listed, canvas, result);
 }

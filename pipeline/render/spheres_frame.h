@@ -9,7 +9,6 @@
 namespace plumb {
 
 void drawSpheresCpu(const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
-void drawSpheresGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request,
-                    RenderResult& result);
+void drawSpheresGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
 
 }  // namespace plumb

@@ -27,9 +27,7 @@ public:
     ~Stopwatch() {
         if (times_) addTime(*times_, pass_, elapsedMs());
     }
-    double elapsedMs() const {
-        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
-    }
+    double elapsedMs() const { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count(); }
 
 private:
     std::vector<PassTime>* times_;

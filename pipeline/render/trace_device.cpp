@@ -5,11 +5,11 @@
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/trace_samples.h"
 
-#include <cstddef>
-#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
@@ -34,8 +34,7 @@ constexpr uint64_t kWaitingBytes = uint64_t(64) << 20;
 
 class DeviceTrace {
 public:
-    DeviceTrace(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request,
-                RenderResult& result)
+    DeviceTrace(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request, RenderResult& result)
         : device_(device),
           p_(p),
           request_(request),
@@ -50,10 +49,8 @@ public:
         recorder_.allow(p.plan.labels(RunsOn::device));
         const uint64_t steps = stepsOfRay(traced_);
         if (steps > kLoopLimit)
-            throw inputError(
-                scene.path,
-                fmt::format("{} spheres and planes with {} lights need {} loop steps a ray; a device takes {}",
-                            traced_.surfaces.size(), traced_.lights.size(), steps, kLoopLimit));
+            throw inputError(scene.path, fmt::format("{} spheres and planes with {} lights need {} loop steps a ray; a device takes {}",
+                                                     traced_.surfaces.size(), traced_.lights.size(), steps, kLoopLimit));
         choices_.list |= steps * push_.maxDepth > kLoopLimit;
         if (choices_.list && choices_.cutLevels)
             throw inputError(scene.path, fmt::format("--levels cut keeps a whole path at once: {} rays of {} loop "
@@ -66,8 +63,7 @@ public:
         // A ray opens some hundred nodes of a tree, a node costs as much as an object.
         const uint64_t work = steps + (traced_.nodes.empty() ? 0 : kUsualNodes * (1 + traced_.lights.size()));
         if (choices_.list) mostSamples_ = listedSamples();
-        samples_ = std::clamp<uint64_t>(kFirstWork / (work * std::min<uint64_t>(push_.maxDepth, kUsualRays)),
-                                        kLeastSamples, mostSamples_);
+        samples_ = std::clamp<uint64_t>(kFirstWork / (work * std::min<uint64_t>(push_.maxDepth, kUsualRays)), kLeastSamples, mostSamples_);
         choices_.lanes = device.limits().subgroupShuffle ? device.limits().subgroupSize : 0;
         choices_.colour = !resolves();
         choices_.planes = resolves() ? gpu::kTracePlaneDistance | gpu::kTracePlaneLinear : 0u;
@@ -110,8 +106,7 @@ private:
     uint64_t rowsOfBand() {
         push_.rowWords = (grid_.width + 3) / 4 * 4;
         const DeviceLimits& l = device_.limits();
-        bandWords_ =
-            std::min({l.storageRangeBytes / 4, l.texelElements, device_.memoryBudgetBytes() / 16}) * 4 / 5 - 64;
+        bandWords_ = std::min({l.storageRangeBytes / 4, l.texelElements, device_.memoryBudgetBytes() / 16}) * 4 / 5 - 64;
         const uint64_t sampleRows = bandWords_ / (uint64_t(push_.rowWords) * std::max(1u, slots_));
         if (sampleRows < grid_.side) throw renderError("a row of the picture exceeds the device's buffers");
         const uint64_t rows = (sampleRows - grid_.overlap()) / grid_.stride;
@@ -213,8 +208,7 @@ private:
             recordTrace(recorder_, push, traced_, choices, {}, buffers_);
             const auto start = std::chrono::steady_clock::now();
             recorder_.run(request_.watchdogMs);
-            longestMs = std::max(
-                longestMs, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+            longestMs = std::max(longestMs, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
             const std::span<uint32_t> words = buffers_.counters.span();
             unfinished = words[gpu::kCountUnfinished];
             for (size_t i = 0; i < counters_.size(); ++i) counters_[i] += words[i];
@@ -251,8 +245,7 @@ private:
             samples_ = std::min(mostSamples_, samples_ * 2);
     }
 
-    void resolve(const gpu::TracePush& traced, const TraceChoices& choices, uint32_t side, uint32_t stride,
-                 uint32_t width, uint32_t rows) {
+    void resolve(const gpu::TracePush& traced, const TraceChoices& choices, uint32_t side, uint32_t stride, uint32_t width, uint32_t rows) {
         resolvedQuads_ = (width + 3) / 4;
         resolvedRows_ = rows;
         const uint64_t quads = uint64_t(resolvedQuads_) * rows;
@@ -269,14 +262,12 @@ private:
         push.side = side;
         push.stride = stride;
         push.transparent = request_.transparent;
-        recordResolve(recorder_, push, choices.encoding, linearOut, {}, buffers_.planeWords, buffers_.encodeTable,
-                      resolved_, resolvedLinear_);
+        recordResolve(recorder_, push, choices.encoding, linearOut, {}, buffers_.planeWords, buffers_.encodeTable, resolved_,
+                      resolvedLinear_);
         recorder_.run(request_.watchdogMs);
     }
     static uint32_t linearSlotOf(uint32_t planes) { return planes & gpu::kTracePlaneObject ? 2 : 1; }
-    const uint32_t* plane(uint32_t slot) const {
-        return buffers_.planeWords.span().data() + size_t(slot) * push_.planeWords;
-    }
+    const uint32_t* plane(uint32_t slot) const { return buffers_.planeWords.span().data() + size_t(slot) * push_.planeWords; }
     size_t at(uint32_t x, uint32_t y, uint32_t i, uint32_t j) const {
         return size_t(y * grid_.stride + j) * push_.rowWords + x * grid_.stride + i;
     }
@@ -294,13 +285,12 @@ private:
                 const uint32_t word = words[size_t(y) * pitch + x];
                 out.rgba[pixel] = word | opaque;
                 bool any = !resolves() && word >> 31 != 0;
-                for (uint32_t k = 0; resolves() && k < side * side; ++k)
-                    any |= plane(0)[at(x, y, k % side, k / side)] != 0;
+                for (uint32_t k = 0; resolves() && k < side * side; ++k) any |= plane(0)[at(x, y, k % side, k / side)] != 0;
                 out.coveredPixels += any;
                 const size_t sample = at(x, y, grid_.anchor, grid_.anchor);
                 for (uint32_t i = 0; i < 3 && (request_.planes & kPlaneLinear); ++i)
-                    out.linear[3 * pixel + i] = resolves() ? resolvedLinear(i)[size_t(y) * pitch + x]
-                                                           : gpu::realOf(int(plane(linearSlot + i)[sample]));
+                    out.linear[3 * pixel + i] =
+                        resolves() ? resolvedLinear(i)[size_t(y) * pitch + x] : gpu::realOf(int(plane(linearSlot + i)[sample]));
                 if (!(choices_.planes & gpu::kTracePlaneObject)) continue;
                 float normal[3] = {0, 0, 0};
                 for (uint32_t i = 0; i < 3 && (request_.planes & kPlaneNormal); ++i)
@@ -319,19 +309,16 @@ private:
             p_.width, firstRow, rows, choices_.encoding,
             [&](uint32_t x, uint32_t y) {
                 const size_t sample = size_t(y) * push_.rowWords + x;
-                return glm::vec3(gpu::realOf(int(plane(linearSlot)[sample])),
-                                 gpu::realOf(int(plane(linearSlot + 1)[sample])),
+                return glm::vec3(gpu::realOf(int(plane(linearSlot)[sample])), gpu::realOf(int(plane(linearSlot + 1)[sample])),
                                  gpu::realOf(int(plane(linearSlot + 2)[sample])));
             },
-            [&](uint32_t x, uint32_t y) { return plane(0)[size_t(y) * push_.rowWords + x] != 0; },
-            threadCount(request_.threads));
+            [&](uint32_t x, uint32_t y) { return plane(0)[size_t(y) * push_.rowWords + x] != 0; }, threadCount(request_.threads));
         result_.counters.refinedPixels += pixels.size();
         TraceChoices choices = choices_;
         choices.sampling = gpu::kSampleGrid;
         choices.side = kFineSide;
         choices.planes = gpu::kTracePlaneDistance | gpu::kTracePlaneLinear;
-        const size_t chunk =
-            std::max<size_t>(1, bandWords_ / (uint64_t(kFineSide) * kFineSide * slotsOf(choices.planes)));
+        const size_t chunk = std::max<size_t>(1, bandWords_ / (uint64_t(kFineSide) * kFineSide * slotsOf(choices.planes)));
         Buffer<uint32_t> coarse;  // the band's planes, which the next band takes a row of
         std::swap(coarse, buffers_.planeWords);
         for (size_t first = 0; first < pixels.size(); first += chunk) {
@@ -395,8 +382,7 @@ uint32_t ResidentTrace::pitch() const { return impl_->trace.pitch(); }
 RenderCounters ResidentTrace::counters() const { return impl_->result.counters; }
 Recorder& ResidentTrace::recorder() { return impl_->trace.recorder(); }
 
-void traceFrameGpu(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request,
-                   RenderResult& result) {
+void traceFrameGpu(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request, RenderResult& result) {
     DeviceTrace(device, p, scene, request, result).draw();
 }
 

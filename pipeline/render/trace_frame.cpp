@@ -37,8 +37,7 @@ struct Samples {
         if (normals) keep(normal, 3);
     }
     TraceOutput from(size_t first) {
-        return {std::span(distance).subspan(first), std::span(object).subspan(first),
-                std::span(linear).subspan(3 * first),
+        return {std::span(distance).subspan(first), std::span(object).subspan(first), std::span(linear).subspan(3 * first),
                 normal.empty() ? std::span<float>() : std::span(normal).subspan(3 * first)};
     }
 };
@@ -110,8 +109,8 @@ private:
         if (resolves()) {
             covered_.assign(samples_.distance.begin(), samples_.distance.end());
             resolved_.resize(3 * pixels);
-            resolveCpu(p_.width, rows, grid_.side, request_.transparent, choices_.encoding, samples_.linear, covered_,
-                       resolved_, rgba, threads_, grid_.stride);
+            resolveCpu(p_.width, rows, grid_.side, request_.transparent, choices_.encoding, samples_.linear, covered_, resolved_, rgba,
+                       threads_, grid_.stride);
         } else {
             for (size_t i = 0; i < pixels; ++i)
                 if (samples_.distance[i]) rgba[i] = encodePixelCpu(choices_.encoding, &samples_.linear[3 * i], 255);
@@ -148,14 +147,12 @@ private:
         covered_.assign(fine_.distance.begin(), fine_.distance.end());
         resolved_.resize(3 * pixels.size());
         std::vector<uint32_t> rgba(pixels.size());
-        resolveCpu(count, 1, kFineSide, request_.transparent, choices.encoding, fine_.linear, covered_, resolved_, rgba,
-                   threads_);
+        resolveCpu(count, 1, kFineSide, request_.transparent, choices.encoding, fine_.linear, covered_, resolved_, rgba, threads_);
         for (size_t i = 0; i < pixels.size(); ++i) {
             const size_t pixel = size_t(pixels[i] >> 16) * p_.width + (pixels[i] & 0xffffu);
             result_.frame.rgba[pixel] = rgba[i];
             if (request_.planes & kPlaneLinear)
-                std::copy_n(resolved_.begin() + ptrdiff_t(3 * i), 3,
-                            result_.frame.linear.begin() + ptrdiff_t(3 * pixel));
+                std::copy_n(resolved_.begin() + ptrdiff_t(3 * i), 3, result_.frame.linear.begin() + ptrdiff_t(3 * pixel));
         }
     }
 

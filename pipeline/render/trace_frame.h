@@ -29,10 +29,10 @@ public:
     ~ResidentTrace();
     ResidentTrace(const ResidentTrace&) = delete;
     ResidentTrace& operator=(const ResidentTrace&) = delete;
-    bool draw();                          // false, and nothing is drawn: the picture takes samples that are resolved, or several bands
+    bool draw();  // false, and nothing is drawn: the picture takes samples that are resolved, or several bands
     std::span<const uint32_t> colours() const;  // alpha 0 where nothing is hit
     uint32_t pitch() const;
-    RenderCounters counters() const;      // of the last draw()
+    RenderCounters counters() const;  // of the last draw()
     Recorder& recorder();
 
 private:

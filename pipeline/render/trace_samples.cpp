@@ -48,8 +48,7 @@ SampleGrid sampleGridOf(const Prepared& p, const RenderRequest& request) {
 
 std::vector<uint32_t> pixelsWithDifferentCorners(uint32_t width, uint32_t firstRow, uint32_t rows, uint32_t encoding,
                                                  const std::function<glm::vec3(uint32_t, uint32_t)>& colour,
-                                                 const std::function<bool(uint32_t, uint32_t)>& covered,
-                                                 uint32_t threads) {
+                                                 const std::function<bool(uint32_t, uint32_t)>& covered, uint32_t threads) {
     // Alpha says whether the sample is covered.
     std::vector<uint32_t> codes(size_t(width + 1) * (rows + 1));
     parallelBands(rows + 1, 8, threads, [&](uint64_t begin, uint64_t end) {
@@ -87,8 +86,7 @@ gpu::TracePush finePushOf(const gpu::TracePush& push, uint32_t count) {
     return fine;
 }
 
-TracePlanes::TracePlanes(const Prepared& p, const Scene& scene, const RenderRequest& request, const SampleGrid& grid,
-                         Frame& frame)
+TracePlanes::TracePlanes(const Prepared& p, const Scene& scene, const RenderRequest& request, const SampleGrid& grid, Frame& frame)
     : p_(p), scene_(scene), planes_(request.planes), seed_(request.rays.seed), grid_(grid), frame_(frame) {
     PlaneWriter(p, planes_ & ~uint32_t(kPlaneTriangle), frame);  // as if nothing were drawn
     uint32_t triangles = 0;
@@ -104,8 +102,7 @@ void TracePlanes::write(uint32_t x, uint32_t y, uint32_t distanceBits, uint32_t 
     const double distance = double(gpu::realOf(int(distanceBits))) / p_.unit;
     const uint32_t column = x * grid_.stride + grid_.anchor, row = y * grid_.stride + grid_.anchor,
                    key = gpu::keyOfSample(column, row, seed_);
-    const glm::dvec3 ray = glm::dvec3(p_.rayOrigin) +
-                           glm::dvec3(p_.rayX) * double(gpu::columnOf(grid_.sampling, column, p_.side, key)) +
+    const glm::dvec3 ray = glm::dvec3(p_.rayOrigin) + glm::dvec3(p_.rayX) * double(gpu::columnOf(grid_.sampling, column, p_.side, key)) +
                            glm::dvec3(p_.rayY) * double(gpu::rowOf(grid_.sampling, row, p_.side, key));
     const float depth = float(distance / std::sqrt(glm::dot(ray, ray)));
     if (planes_ & kPlaneDistance) frame_.distance[at] = float(distance);
@@ -117,11 +114,8 @@ void TracePlanes::write(uint32_t x, uint32_t y, uint32_t distanceBits, uint32_t 
              primitive = 0;  // a sphere or plane is one primitive
     if (object >= whole) {
         const uint32_t triangle = object - whole;
-        sceneObject = uint32_t(std::upper_bound(firstOfObject_.begin(), firstOfObject_.end(), triangle) -
-                               firstOfObject_.begin()) -
-                      1;
-        primitive =
-            scene_.meshes[scene_.objects[sceneObject].mesh].triangles[triangle - firstOfObject_[sceneObject]].face;
+        sceneObject = uint32_t(std::upper_bound(firstOfObject_.begin(), firstOfObject_.end(), triangle) - firstOfObject_.begin()) - 1;
+        primitive = scene_.meshes[scene_.objects[sceneObject].mesh].triangles[triangle - firstOfObject_[sceneObject]].face;
     }
     if (planes_ & kPlaneObject) frame_.object[at] = sceneObject;
     if (planes_ & kPlanePrimitive) frame_.primitive[at] = primitive;

@@ -31,16 +31,14 @@ inline constexpr uint32_t kFineSide = 4;
 // colour(x, y) and covered(x, y) are of sample y of the band.
 std::vector<uint32_t> pixelsWithDifferentCorners(uint32_t width, uint32_t firstRow, uint32_t rows, uint32_t encoding,
                                                  const std::function<glm::vec3(uint32_t, uint32_t)>& colour,
-                                                 const std::function<bool(uint32_t, uint32_t)>& covered,
-                                                 uint32_t threads);
+                                                 const std::function<bool(uint32_t, uint32_t)>& covered, uint32_t threads);
 // The push of `count` such pixels: kFineSide rows of their samples.
 gpu::TracePush finePushOf(const gpu::TracePush& push, uint32_t count);
 
 // Planes of the frame; the sample of a pixel is the grid's anchor.
 class TracePlanes {
 public:
-    TracePlanes(const Prepared& prepared, const Scene& scene, const RenderRequest& request, const SampleGrid& grid,
-                Frame& frame);
+    TracePlanes(const Prepared& prepared, const Scene& scene, const RenderRequest& request, const SampleGrid& grid, Frame& frame);
     void write(uint32_t x, uint32_t y, uint32_t distanceBits, uint32_t object, const float* normal);
 
 private:

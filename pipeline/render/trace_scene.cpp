@@ -6,10 +6,10 @@
 #include "pipeline/scene/ray_shares.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <limits>
 #include <string>
@@ -29,7 +29,8 @@ constexpr size_t kMostParts = size_t(1) << 25;  // texels of a device: 2^27, at 
 
 class Records {
 public:
-    Records(const Scene& scene, const Prepared& p) : scene_(scene), eye_(scene.camera->eye), unit_(p.unit), slots_(scene.materials.size(), kNone) {
+    Records(const Scene& scene, const Prepared& p)
+        : scene_(scene), eye_(scene.camera->eye), unit_(p.unit), slots_(scene.materials.size(), kNone) {
         out_.lights = p.list.lights;
     }
 
@@ -90,8 +91,7 @@ private:
     void addSphere(const SphereShape& s) {
         const glm::dvec3 centre = (s.centre - eye_) * unit_;
         const double radius = s.radius * unit_, reach = glm::length(centre) + radius;
-        if (!(reach <= kFarthest))
-            throw inputError(nameOf(s, "sphere"), "it reaches further from the eye than 2^60 times the near plane");
+        if (!(reach <= kFarthest)) throw inputError(nameOf(s, "sphere"), "it reaches further from the eye than 2^60 times the near plane");
         if (radius < kLeastRadius) throw inputError(nameOf(s, "sphere"), "its radius is below 2^-30 of the near plane");
         out_.spheres.emplace_back(rounded(centre), float(radius));
         const double power = powerOf(s);
@@ -194,9 +194,7 @@ private:
 
 }  // namespace
 
-TraceScene traceSceneOf(const Scene& scene, const Prepared& prepared) {
-    return Records(scene, prepared).build();
-}
+TraceScene traceSceneOf(const Scene& scene, const Prepared& prepared) { return Records(scene, prepared).build(); }
 
 TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, const Prepared& prepared, const TraceScene& traced) {
     TraceChoices c;

@@ -10,8 +10,7 @@
 
 namespace plumb {
 
-TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads,
-                          std::vector<PassTime>* times) {
+TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads, std::vector<PassTime>* times) {
     TwinGeometry g;
     const uint32_t vertices = uint32_t(list.positions.size());
     g.screen.resize(vertices);
@@ -22,22 +21,27 @@ TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool
         const Stopwatch watch(times, "transform");
         for (const DrawList::Range& r : list.ranges) {
             const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, list.viewport};
-            transformCpu(push, normalsCarried(choices, normals), list.positions, list.normals, list.objects, g.screen,
-                         g.carried, threads, {list.numbers, list.longs, g.clipSpace});
+            transformCpu(push, normalsCarried(choices, normals), list.positions, list.normals, list.objects, g.screen, g.carried, threads,
+                         {list.numbers, list.longs, g.clipSpace});
         }
     }
     if (gouraud || choices.shading == gpu::kShadingFlat) {
         const Stopwatch watch(times, "illuminate");
         if (!gouraud) g.faceColours.resize(list.facePositions.size());
         for (const DrawList::Range& r : list.ranges) {
-            const gpu::IlluminatePush push{0, gouraud ? r.firstVertex : r.firstFace, gouraud ? r.vertexCount : r.faceCount, r.record, 0,
-                                           uint32_t(list.lights.size()), list.towardViewer};
+            const gpu::IlluminatePush push{0,
+                                           gouraud ? r.firstVertex : r.firstFace,
+                                           gouraud ? r.vertexCount : r.faceCount,
+                                           r.record,
+                                           0,
+                                           uint32_t(list.lights.size()),
+                                           list.towardViewer};
             if (gouraud)
                 illuminateCpu(push, choices.parts, list.positions, list.normals, list.vertexMaterial, list.objects, list.materials,
                               list.lights, g.carried, threads);
             else
-                illuminateCpu(push, choices.parts, list.facePositions, list.faceNormals, list.faceMaterial, list.objects,
-                              list.materials, list.lights, g.faceColours, threads);
+                illuminateCpu(push, choices.parts, list.facePositions, list.faceNormals, list.faceMaterial, list.objects, list.materials,
+                              list.lights, g.faceColours, threads);
         }
     }
     {

@@ -5,16 +5,16 @@
 #include "pipeline/passes/parallel.h"
 #include "pipeline/render/bound.h"
 #include "pipeline/render/gpu_frame.h"
+#include "pipeline/render/twin_frame.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/sha256.h"
-#include "pipeline/render/twin_frame.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <span>
 #include <string>
@@ -196,8 +196,8 @@ private:
         fillCpu(band, twin.draws, twin.screen, z, draw, threadCount(request_.threads), p.choices.depthBits);
         for (size_t i = 0; i < samples; ++i)
             if (!draw[i]) std::copy_n(&p.backgroundLinear[0], 3, linear.begin() + ptrdiff_t(3 * i));
-        shadeCpu(band, list, p.choices, twin.draws, twin.screen, p.choices.shading == gpu::kShadingFlat ? twin.faceColours : twin.carried, z,
-                 draw, linear, {}, threadCount(request_.threads));
+        shadeCpu(band, list, p.choices, twin.draws, twin.screen, p.choices.shading == gpu::kShadingFlat ? twin.faceColours : twin.carried,
+                 z, draw, linear, {}, threadCount(request_.threads));
         for (size_t at = 0; at < samples; ++at) {
             const size_t x = at % size_t(band.width), y = at / size_t(band.width);
             const size_t word = y * frame.rowPixels() + x;
@@ -214,9 +214,10 @@ private:
             for (uint32_t i = 0; i < 3; ++i) {
                 const float got = gpu::realOf(int(frame.plane(2 + i)[word])), wanted = linear[3 * at + i];
                 if (!asNear(wanted, got, i)) {
-                    failPixel("shade", band, x, y,
-                              fmt::format("{} of triangle {}: twin has {} ({:08x}), device has {} ({:08x}), {} ULP", "RGB"[i], int(wantTriangle),
-                                          wanted, std::bit_cast<uint32_t>(wanted), got, std::bit_cast<uint32_t>(got), ulpDistance(wanted, got)));
+                    failPixel(
+                        "shade", band, x, y,
+                        fmt::format("{} of triangle {}: twin has {} ({:08x}), device has {} ({:08x}), {} ULP", "RGB"[i], int(wantTriangle),
+                                    wanted, std::bit_cast<uint32_t>(wanted), got, std::bit_cast<uint32_t>(got), ulpDistance(wanted, got)));
                     return;
                 }
             }
@@ -229,7 +230,8 @@ private:
     void failPixel(const char* pass, const gpu::FrameBox& band, size_t x, size_t y, const std::string& what) {
         y += size_t(band.firstRow);
         report_.passes.push_back({pass, false});
-        report_.mismatches.push_back({pass, false, fmt::format("tile ({}, {}), sample ({}, {}): {}", x / gpu::kTileWidth, y / gpu::kTileHeight, x, y, what)});
+        report_.mismatches.push_back(
+            {pass, false, fmt::format("tile ({}, {}), sample ({}, {}): {}", x / gpu::kTileWidth, y / gpu::kTileHeight, x, y, what)});
     }
 
     template <class T>
@@ -271,11 +273,12 @@ private:
         std::string values = fmt::format("twin has {}, device has {}", twin[size_t(first)], device[size_t(first)]);
         if constexpr (std::is_same_v<T, float>)
             values += fmt::format(", {} ULP{}", ulpDistance(twin[size_t(first)], device[size_t(first)]), finite ? "" : "; not a number");
-        report_.mismatches.push_back({name, true,
-                                      fmt::format("tile ({}, {}), pixel ({}, {}): {}; object {}, primitive {}; {} values differ{}", x / gpu::kTileWidth,
-                                                  y / gpu::kTileHeight, x, y, values, int(report_.twin.frame.object[pixel]),
-                                                  int(report_.twin.frame.primitive[pixel]), plane.differing,
-                                                  report_.bounded ? fmt::format(", {} beyond the bound", plane.beyond) : "")});
+        report_.mismatches.push_back(
+            {name, true,
+             fmt::format("tile ({}, {}), pixel ({}, {}): {}; object {}, primitive {}; {} values differ{}", x / gpu::kTileWidth,
+                         y / gpu::kTileHeight, x, y, values, int(report_.twin.frame.object[pixel]),
+                         int(report_.twin.frame.primitive[pixel]), plane.differing,
+                         report_.bounded ? fmt::format(", {} beyond the bound", plane.beyond) : "")});
     }
 
     void compareRays(const RenderCounters& a, const RenderCounters& b) {
@@ -332,14 +335,17 @@ private:
         comparePlane("distance", t.distance, d.distance, 1);
         comparePlane("normal", t.normal, d.normal, 3);
         const RenderCounters &a = report_.twin.counters, &b = report_.device.counters;
-        const std::pair<const char*, std::pair<uint64_t, uint64_t>> counts[] = {
-            {"drawn triangles", {a.drawnTriangles, b.drawnTriangles}}, {"back-facing", {a.culledBackFace, b.culledBackFace}},
-            {"zero area", {a.culledZeroArea, b.culledZeroArea}},       {"outside", {a.culledOutside, b.culledOutside}},
-            {"clipped", {a.clipped, b.clipped}},                       {"illuminations", {a.illuminations, b.illuminations}},
-            {"covered pixels", {t.coveredPixels, d.coveredPixels}}};
+        const std::pair<const char*, std::pair<uint64_t, uint64_t>> counts[] = {{"drawn triangles", {a.drawnTriangles, b.drawnTriangles}},
+                                                                                {"back-facing", {a.culledBackFace, b.culledBackFace}},
+                                                                                {"zero area", {a.culledZeroArea, b.culledZeroArea}},
+                                                                                {"outside", {a.culledOutside, b.culledOutside}},
+                                                                                {"clipped", {a.clipped, b.clipped}},
+                                                                                {"illuminations", {a.illuminations, b.illuminations}},
+                                                                                {"covered pixels", {t.coveredPixels, d.coveredPixels}}};
         for (const auto& [name, values] : counts)
             if (values.first != values.second)
-                report_.mismatches.push_back({"counters", true, fmt::format("{}: twin counts {}, device {}", name, values.first, values.second)});
+                report_.mismatches.push_back(
+                    {"counters", true, fmt::format("{}: twin counts {}, device {}", name, values.first, values.second)});
         compareRays(a, b);
         // One pass, on the scene itself: what it leaves is what the chain has compared.
         if (rays) report_.passes.push_back({"trace", report_.mismatches.empty()});

@@ -5,11 +5,11 @@
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <limits>
 #include <string>
@@ -35,11 +35,11 @@ constexpr double kProjection = 4 * kUnit;
 
 // How far a number along one axis of the camera may be off: at a mesh position p, |entries| . |p| + constant.
 struct Row {
-    double x[4] = {};             // the row: scale * axis . (column of the composite)
-    double entries[3] = {};       // of the error that grows with |p|
-    double lost[3] = {};          // what the file's numbers lost at load: at most this, and at most an entry's u |p|
-    double constant = 0;          // of the error that does not
-    double finalUnit = 0;         // of the result's own magnitude: its last rounding
+    double x[4] = {};        // the row: scale * axis . (column of the composite)
+    double entries[3] = {};  // of the error that grows with |p|
+    double lost[3] = {};     // what the file's numbers lost at load: at most this, and at most an entry's u |p|
+    double constant = 0;     // of the error that does not
+    double finalUnit = 0;    // of the result's own magnitude: its last rounding
     double at(const dvec3& p) const { return (x[0] * p.x + x[1] * p.y) + (x[2] * p.z + x[3]); }
     double error(const dvec3& magnitude, double result) const {
         double sum = constant + finalUnit * std::abs(result);
@@ -148,14 +148,16 @@ private:
     double pixels(double errorX, double errorY, double errorW, double w, double x = 0, double y = 0) const {
         if (!(w > errorW)) return kInfinity;
         const double across = std::max(halfX_, std::abs(x)), down = std::max(halfY_, std::abs(y));
-        return std::max((errorX + across * errorW) / (w - errorW) + kProjection * halfX_, (errorY + down * errorW) / (w - errorW) + kProjection * halfY_);
+        return std::max((errorX + across * errorW) / (w - errorW) + kProjection * halfX_,
+                        (errorY + down * errorW) / (w - errorW) + kProjection * halfY_);
     }
 
     // All of the mesh that lies at or beyond the near plane, anywhere on the screen.
     double box() const {
         double least = kInfinity, farthest[3] = {};
         for (int i = 0; i < 8; ++i) {
-            const Placed p = place({i & 1 ? mesh_.boundsMax.x : mesh_.boundsMin.x, i & 2 ? mesh_.boundsMax.y : mesh_.boundsMin.y, i & 4 ? mesh_.boundsMax.z : mesh_.boundsMin.z});
+            const Placed p = place({i & 1 ? mesh_.boundsMax.x : mesh_.boundsMin.x, i & 2 ? mesh_.boundsMax.y : mesh_.boundsMin.y,
+                                    i & 4 ? mesh_.boundsMax.z : mesh_.boundsMin.z});
             least = std::min(least, p.w);
             farthest[0] = std::max(farthest[0], std::abs(p.x));
             farthest[1] = std::max(farthest[1], std::abs(p.y));
@@ -170,11 +172,16 @@ private:
     // belong inside.
     double distance(int plane, const Placed& p) const {
         switch (plane) {
-            case 0: return p.w + p.errorW - near_;
-            case 1: return p.x + halfX_ * p.w + (p.errorX + halfX_ * p.errorW);
-            case 2: return halfX_ * p.w - p.x + (p.errorX + halfX_ * p.errorW);
-            case 3: return p.y + halfY_ * p.w + (p.errorY + halfY_ * p.errorW);
-            default: return halfY_ * p.w - p.y + (p.errorY + halfY_ * p.errorW);
+            case 0:
+                return p.w + p.errorW - near_;
+            case 1:
+                return p.x + halfX_ * p.w + (p.errorX + halfX_ * p.errorW);
+            case 2:
+                return halfX_ * p.w - p.x + (p.errorX + halfX_ * p.errorW);
+            case 3:
+                return p.y + halfY_ * p.w + (p.errorY + halfY_ * p.errorW);
+            default:
+                return halfY_ * p.w - p.y + (p.errorY + halfY_ * p.errorW);
         }
     }
     bool outside(const std::array<Placed, 3>& corners) const {
@@ -196,7 +203,8 @@ private:
         most.errorX += cut * largest[0], most.errorY += cut * largest[1], most.errorW += cut * largest[2];
         const double w = std::max(least, near_ - most.errorW);
         if (!(w > 0)) return kInfinity;
-        return pixels(most.errorX, most.errorY, most.errorW, w, halfX_ + (most.errorX + halfX_ * most.errorW) / w, halfY_ + (most.errorY + halfY_ * most.errorW) / w);
+        return pixels(most.errorX, most.errorY, most.errorW, w, halfX_ + (most.errorX + halfX_ * most.errorW) / w,
+                      halfY_ + (most.errorY + halfY_ * most.errorW) / w);
     }
     double cutOf(const std::array<Placed, 3>& corners) const {
         const bool cut = arithmetic_ != Arithmetic::ray && arithmetic_ != Arithmetic::host &&
@@ -209,7 +217,9 @@ private:
         std::vector<Placed> polygon(corners.begin(), corners.end());
         if (const double cut = cutOf(corners); cut > 0) {
             double largest[3] = {};
-            for (const Placed& p : corners) largest[0] = std::max(largest[0], std::abs(p.x)), largest[1] = std::max(largest[1], std::abs(p.y)), largest[2] = std::max(largest[2], std::abs(p.w));
+            for (const Placed& p : corners)
+                largest[0] = std::max(largest[0], std::abs(p.x)), largest[1] = std::max(largest[1], std::abs(p.y)),
+                largest[2] = std::max(largest[2], std::abs(p.w));
             for (Placed& p : polygon) p.errorX += cut * largest[0], p.errorY += cut * largest[1], p.errorW += cut * largest[2];
         }
         for (int plane = 0; plane < 5 && !polygon.empty(); ++plane) {
@@ -230,7 +240,7 @@ private:
     const TriangleMesh& mesh_;
     const Arithmetic arithmetic_;
     double halfX_ = 0, halfY_ = 0, near_ = 0;
-    dvec3 reach_{0};              // largest |coordinate| of the mesh's positions
+    dvec3 reach_{0};  // largest |coordinate| of the mesh's positions
     Row rowX_, rowY_, rowW_;
 };
 
@@ -249,7 +259,9 @@ Arithmetic arithmeticOf(const RenderRequest& request) {
 
 VertexError errorOf(const Scene& scene, const RenderRequest& request, uint32_t object, double enough) {
     VertexError e{object, Bound(scene, request, object, arithmeticOf(request)).most(enough), 0};
-    e.inBinary64 = e.pixels > enough && hasTransform(request) ? std::min(e.pixels, Bound(scene, request, object, Arithmetic::fp64).most(enough)) : e.pixels;
+    e.inBinary64 = e.pixels > enough && hasTransform(request)
+                       ? std::min(e.pixels, Bound(scene, request, object, Arithmetic::fp64).most(enough))
+                       : e.pixels;
     return e;
 }
 
@@ -272,11 +284,14 @@ std::vector<VertexError> vertexErrors(const Scene& scene, const RenderRequest& r
 }
 
 std::string sentenceOf(const Scene& scene, const VertexError& error) {
-    const auto far = [](double pixels) { return std::isfinite(pixels) ? fmt::format("up to {:.2g} px", pixels) : std::string("any distance"); };
+    const auto far = [](double pixels) {
+        return std::isfinite(pixels) ? fmt::format("up to {:.2g} px", pixels) : std::string("any distance");
+    };
     const Object& object = scene.objects[error.object];
     const TriangleMesh& mesh = scene.meshes[object.mesh];
     const dvec3 size = dvec3(mesh.boundsMax) - dvec3(mesh.boundsMin);
-    const std::string name = object.name.empty() ? fmt::format("object {}", error.object) : fmt::format("object '{}'", printable(object.name, 64));
+    const std::string name =
+        object.name.empty() ? fmt::format("object {}", error.object) : fmt::format("object '{}'", printable(object.name, 64));
     const std::string moved = fmt::format("{}: float32 may move a vertex in this view by {}", name, far(error.pixels));
     if (error.inBinary64 <= kToldPixels) return moved + fmt::format("; --trade transform=fp64 keeps it within {:.2g} px", error.inBinary64);
     return moved + fmt::format("; its mesh is {:g} across, and the view shows a small part of it", std::max({size.x, size.y, size.z}));

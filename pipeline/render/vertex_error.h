@@ -15,9 +15,10 @@ namespace plumb {
 inline constexpr double kToldPixels = 0.5;
 
 struct VertexError {
-    uint32_t object = 0;          // of the scene
-    double pixels = 0;            // in x or y, the larger, over all that the view holds of the object's triangles; +infinity: a depth of 0 is within the bound
-    double inBinary64 = 0;        // the same with --trade transform=fp64; equal to `pixels` where the request has no such choice
+    uint32_t object = 0;  // of the scene
+    double pixels =
+        0;  // in x or y, the larger, over all that the view holds of the object's triangles; +infinity: a depth of 0 is within the bound
+    double inBinary64 = 0;  // the same with --trade transform=fp64; equal to `pixels` where the request has no such choice
 };
 
 // Of objects above kToldPixels; of the others nothing.

@@ -6,10 +6,10 @@
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/stopwatch.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
@@ -38,12 +38,13 @@ gpu::LinesPush linesPush(const Prepared& p, const DrawList::Range& r) {
 // What the filled picture shows at each sample of the frame: bits of z, and the face in the draw list. Drawn by the passes of the fill on the same
 // side, and counted and timed with the lines. Empty where hidden lines are drawn as well.
 template <class Render>
-std::vector<glm::uvec2> surfacesOf(const Scene& scene, const Prepared& p, const RenderRequest& request, RenderResult& result, const Render& render) {
+std::vector<glm::uvec2> surfacesOf(const Scene& scene, const Prepared& p, const RenderRequest& request, RenderResult& result,
+                                   const Render& render) {
     if (request.wire != WireView::solid) return {};
     RenderRequest filled = request;
     filled.shading = Shading::unlit;
     filled.fill = Fill::exact;
-    filled.width = uint32_t(p.list.frame.width);   // a sample is a pixel of this picture
+    filled.width = uint32_t(p.list.frame.width);  // a sample is a pixel of this picture
     filled.height = uint32_t(p.list.frame.height);
     filled.samples = 1;
     filled.transparent = false;
@@ -148,7 +149,8 @@ void drawWireGpu(Device& device, const Scene& scene, const Prepared& p, const Re
         const uint64_t rows = std::min(bandRows, uint64_t(p.list.frame.height) - firstRow);
         Buffer<uint32_t> owners(device, rows * pitch, "edge owners");
         owners.fill(gpu::kNoEdge);
-        const uint64_t surfaceFirst = firstRow > 0 ? firstRow - 1 : 0, surfaceEnd = std::min(firstRow + rows + 1, uint64_t(p.list.frame.height));
+        const uint64_t surfaceFirst = firstRow > 0 ? firstRow - 1 : 0,
+                       surfaceEnd = std::min(firstRow + rows + 1, uint64_t(p.list.frame.height));
         Buffer<glm::uvec2> surfaceBand(device, surfaces.empty() ? 1 : (surfaceEnd - surfaceFirst) * pitch, "surfaces");
         if (!surfaces.empty()) surfaceBand.upload(std::span(surfaces).subspan(surfaceFirst * pitch, (surfaceEnd - surfaceFirst) * pitch));
         for (const DrawList::Range& r : p.list.ranges)

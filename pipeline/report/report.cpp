@@ -36,8 +36,7 @@ Frame thinned(const ReportPicture& picture, uint32_t n) {
     frame.width = (picture.width + n - 1) / n;
     frame.height = (picture.height + n - 1) / n;
     for (uint32_t y = 0; y < picture.height; y += n)
-        for (uint32_t x = 0; x < picture.width; x += n)
-            frame.rgba.push_back(picture.rgba[size_t(y) * picture.width + x]);
+        for (uint32_t x = 0; x < picture.width; x += n) frame.rgba.push_back(picture.rgba[size_t(y) * picture.width + x]);
     return frame;
 }
 
@@ -46,8 +45,7 @@ Frame apart(const Frame& picture, const Frame& truth) {
     Frame frame = picture;
     for (size_t i = 0; i < frame.rgba.size(); ++i) {
         uint32_t pixel = 0xff000000u;
-        for (int shift = 0; shift < 24; shift += 8)
-            pixel |= (((picture.rgba[i] >> shift) - (truth.rgba[i] >> shift)) & 0xffu) << shift;
+        for (int shift = 0; shift < 24; shift += 8) pixel |= (((picture.rgba[i] >> shift) - (truth.rgba[i] >> shift)) & 0xffu) << shift;
         frame.rgba[i] = pixel;
     }
     return frame;
@@ -101,8 +99,7 @@ std::string reportHtml(const Json& measurement, const ReportPicture& truth, std:
     // The front and the default first: if something has to stay out, it is none of these.
     std::vector<const ReportPicture*> order;
     for (const ReportPicture& picture : pictures) order.push_back(&picture);
-    std::stable_partition(order.begin(), order.end(),
-                          [&](const ReportPicture* p) { return front.count(p->axis + "/" + p->choice) != 0; });
+    std::stable_partition(order.begin(), order.end(), [&](const ReportPicture* p) { return front.count(p->axis + "/" + p->choice) != 0; });
     std::map<std::vector<uint32_t>, size_t> places;
     for (const ReportPicture* picture : order) {
         const std::string name = picture->axis + "/" + picture->choice;

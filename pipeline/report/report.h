@@ -24,7 +24,6 @@ inline constexpr uint32_t kMostReportPixels = 640 * 480;
 
 // `measurement`: the object of `plumb measure --json` (docs/outputs.md). `truth` and `pictures` have one size; pictures of an axis and choice that no
 // row has are an error of ours. Colour only: alpha is dropped.
-std::string reportHtml(const nlohmann::ordered_json& measurement, const ReportPicture& truth,
-                       std::span<const ReportPicture> pictures);
+std::string reportHtml(const nlohmann::ordered_json& measurement, const ReportPicture& truth, std::span<const ReportPicture> pictures);
 
 }  // namespace plumb

@@ -3,9 +3,9 @@
 
 #include "host/error.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <string>
 #include <tuple>
@@ -29,7 +29,8 @@ static uint32_t append(Scene& scene, TriangleMesh mesh, const std::string& place
 }
 
 void warnOfRepairs(Scene& scene, size_t first, const std::string& place) {
-    const std::tuple<uint32_t TriangleMesh::*, const char*, const char*> repairs[] = {  // of one, of several
+    const std::tuple<uint32_t TriangleMesh::*, const char*, const char*> repairs[] = {
+        // of one, of several
         {&TriangleMesh::degenerateFaces, "face has no area", "faces have no area"},
         {&TriangleMesh::repairedNormals, "corner normal is zero or opposite to its face: the face's is used",
          "corner normals are zero or opposite to their face: the face's is used"},

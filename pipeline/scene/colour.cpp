@@ -54,8 +54,7 @@ glm::dvec3 rgbFromCmyk(const Cmyk& ink) { return (1.0 - glm::dvec3(ink.c, ink.m,
 Cmyk8 cmykFromRgb(const Rgb8& rgb) {
     const uint32_t most = std::max({rgb[0], rgb[1], rgb[2]});
     if (most == 0) return {0, 0, 0, 255};
-    return {share(255, most - rgb[0], most), share(255, most - rgb[1], most), share(255, most - rgb[2], most),
-            uint8_t(255 - most)};
+    return {share(255, most - rgb[0], most), share(255, most - rgb[1], most), share(255, most - rgb[2], most), uint8_t(255 - most)};
 }
 
 Rgb8 rgbFromCmyk(const Cmyk8& ink) {

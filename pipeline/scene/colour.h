@@ -23,9 +23,7 @@ std::string hexOf(const glm::dvec3& intensity);
 
 inline glm::dvec3 cmyFromRgb(const glm::dvec3& rgb) { return 1.0 - rgb; }
 inline glm::dvec3 rgbFromCmy(const glm::dvec3& cmy) { return 1.0 - cmy; }
-inline glm::dvec3 mixed(const glm::dvec3& rgb, const glm::dvec3& other) {
-    return rgb * other;
-}  // light left by one ink over another
+inline glm::dvec3 mixed(const glm::dvec3& rgb, const glm::dvec3& other) { return rgb * other; }  // light left by one ink over another
 
 struct Cmyk {
     double c = 0, m = 0, y = 0, k = 0;

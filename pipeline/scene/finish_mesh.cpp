@@ -8,12 +8,12 @@
 #include "pipeline/scene/mesh_origin.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <limits>
 #include <utility>
@@ -39,7 +39,7 @@ constexpr double kOppositeCosine = -0.5;
 constexpr double kPi = 3.14159265358979323846;
 constexpr uint32_t kFree = kNone;
 
-uint64_t mixBits(uint64_t x) {   // the finalizer of MurmurHash3 (Appleby, public domain)
+uint64_t mixBits(uint64_t x) {  // the finalizer of MurmurHash3 (Appleby, public domain)
     x ^= x >> 33;
     x *= 0xff51afd7ed558ccdull;
     x ^= x >> 33;
@@ -88,14 +88,12 @@ std::array<uint32_t, 3> bitsOf(const glm::vec3& v) {
 }
 
 float flushed(float x, uint32_t& count) {
-    if (x == 0 || std::abs(x) >= std::numeric_limits<float>::min()) return x == 0 ? 0.0f : x;   // -0 becomes +0
+    if (x == 0 || std::abs(x) >= std::numeric_limits<float>::min()) return x == 0 ? 0.0f : x;  // -0 becomes +0
     ++count;
     return 0.0f;
 }
 
-glm::vec3 flushed(const glm::vec3& v, uint32_t& count) {
-    return {flushed(v.x, count), flushed(v.y, count), flushed(v.z, count)};
-}
+glm::vec3 flushed(const glm::vec3& v, uint32_t& count) { return {flushed(v.x, count), flushed(v.y, count), flushed(v.z, count)}; }
 
 double lengthOf(const glm::dvec3& v) { return std::sqrt((v.x * v.x + v.y * v.y) + v.z * v.z); }
 double dotOf(const glm::dvec3& a, const glm::dvec3& b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
@@ -104,7 +102,7 @@ double dotOf(const glm::dvec3& a, const glm::dvec3& b) { return (a.x * b.x + a.y
 double angleOf(double cosine) {
     const double x = std::min(std::abs(cosine), 1.0);
     constexpr double kA[] = {1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046,
-                            0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911};
+                             0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911};
     double sum = kA[7];
     for (int i = 6; i >= 0; --i) sum = sum * x + kA[i];
     const double angle = std::sqrt(1.0 - x) * sum;
@@ -118,10 +116,10 @@ public:
         double x, y;
         bool operator==(const Point&) const = default;
     };
-    using Cut = std::array<uint32_t, 3>;   // corners of the face, from 0
+    using Cut = std::array<uint32_t, 3>;  // corners of the face, from 0
 
-    std::vector<Point> points;             // in: the corners, projected
-    std::vector<Cut> cuts;                 // out: points.size() - 2 of them
+    std::vector<Point> points;  // in: the corners, projected
+    std::vector<Cut> cuts;      // out: points.size() - 2 of them
 
     enum class Outcome { done, selfCrossing, tooLarge };
     Outcome run() {
@@ -151,9 +149,7 @@ public:
 
 private:
     // Twice the signed area of (a, b, c): positive for a turn to the left at b.
-    static double turnOf(const Point& a, const Point& b, const Point& c) {
-        return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-    }
+    static double turnOf(const Point& a, const Point& b, const Point& c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
     // A convex outline changes its direction in x twice, and in y twice; a star with left turns only does so more often.
     bool turnsOnce() const {
@@ -224,7 +220,7 @@ private:
                 if (left % 64 == 0) collectReflex();
                 ear_[a] = isEar(a);
                 ear_[c] = isEar(c);
-                at = c;   // not the corner just before, so that fans stay narrow
+                at = c;  // not the corner just before, so that fans stay narrow
                 sinceCut = 0;
                 continue;
             }
@@ -300,9 +296,7 @@ private:
         return {options_, "finish", kParseEnds + (1 - kParseEnds) * from, kParseEnds + (1 - kParseEnds) * to, total};
     }
 
-    uint32_t next(size_t face, uint32_t corner) const {
-        return corner + 1 < in_.faceFirst[face + 1] ? corner + 1 : in_.faceFirst[face];
-    }
+    uint32_t next(size_t face, uint32_t corner) const { return corner + 1 < in_.faceFirst[face + 1] ? corner + 1 : in_.faceFirst[face]; }
     uint32_t previous(size_t face, uint32_t corner) const {
         return corner > in_.faceFirst[face] ? corner - 1 : in_.faceFirst[face + 1] - 1;
     }
@@ -350,7 +344,8 @@ private:
         };
         LoadMeter meter = meterOf(0, kWelded, positions_.size());
         for (uint32_t i = 0; i < positions_.size(); ++i, meter.at(i))
-            welded_[i] = table.findOrAdd(hashOf(i), i, [&](uint32_t j) { return positions_[i] == positions_[j]; }, hashOf);
+            welded_[i] = table.findOrAdd(
+                hashOf(i), i, [&](uint32_t j) { return positions_[i] == positions_[j]; }, hashOf);
     }
 
     void takeNormals() {
@@ -408,11 +403,11 @@ private:
     }
 
     struct Edge {
-        uint32_t from, to;                      // places, as the first face has them
-        uint32_t corner, face;                  // where it was first seen
-        uint32_t smooth[2] = {kNone, kNone};    // corners where the faces with an area begin this edge
+        uint32_t from, to;                    // places, as the first face has them
+        uint32_t corner, face;                // where it was first seen
+        uint32_t smooth[2] = {kNone, kNone};  // corners where the faces with an area begin this edge
         uint32_t smoothFace[2] = {kNone, kNone};
-        uint32_t count = 0;                     // of faces with an area
+        uint32_t count = 0;  // of faces with an area
     };
 
     void findEdges() {
@@ -497,7 +492,7 @@ private:
             const glm::dvec4& sum = fanSum_[fanOf(corner)];
             const double length = lengthOf(glm::dvec3(sum));
             if (length > 0 && sum.w <= kMaxNormalCondition * length) return clean(glm::dvec3(sum) / length);
-            if (flat) return out_.faceNormal[face];   // counted as a face without area
+            if (flat) return out_.faceNormal[face];  // counted as a face without area
         }
         ++out_.repairedNormals;
         return out_.faceNormal[face];
@@ -527,7 +522,9 @@ private:
                 const uint32_t fresh = uint32_t(out_.positions.size());
                 const uint32_t v = table.findOrAdd(
                     hash(where, normal, material), fresh,
-                    [&](uint32_t i) { return placeOfVertex[i] == where && out_.vertexMaterial[i] == material && out_.normals[i] == normal; },
+                    [&](uint32_t i) {
+                        return placeOfVertex[i] == where && out_.vertexMaterial[i] == material && out_.normals[i] == normal;
+                    },
                     [&](uint32_t i) { return hash(placeOfVertex[i], out_.normals[i], out_.vertexMaterial[i]); });
                 if (v == fresh) {
                     placeOfVertex.push_back(where);
@@ -571,7 +568,9 @@ private:
                 for (uint32_t c = first; c < first + n; ++c) cutter.points.push_back({at(c)[u], at(c)[v]});
                 const FaceCutter::Outcome outcome = cutter.run();
                 if (outcome == FaceCutter::Outcome::tooLarge)
-                    throw inputError(in_.place.empty() ? printable(in_.name) : in_.place, fmt::format("face {} is concave and has {} corners; at most {} are triangulated", f, n, kMaxConcaveCorners));
+                    throw inputError(
+                        in_.place.empty() ? printable(in_.name) : in_.place,
+                        fmt::format("face {} is concave and has {} corners; at most {} are triangulated", f, n, kMaxConcaveCorners));
                 if (outcome == FaceCutter::Outcome::selfCrossing && out_.selfCrossingFaces++ == 0) out_.firstSelfCrossing = uint32_t(f);
             }
             for (const FaceCutter::Cut& cut : cutter.cuts) add(cut[0], cut[1], cut[2]);
@@ -582,18 +581,18 @@ private:
     std::vector<Material>& materials_;
     const LoadOptions& options_;
     const uint32_t fallback_;
-    const double crease_;                       // radians
+    const double crease_;  // radians
     TriangleMesh out_;
     size_t faces_ = 0;
-    std::vector<glm::vec3> positions_;          // from the origin, flushed
-    std::vector<uint32_t> welded_;              // position -> the first with the same bits
-    std::vector<glm::dvec3> normals_;           // of the file: unit, or 0
+    std::vector<glm::vec3> positions_;  // from the origin, flushed
+    std::vector<uint32_t> welded_;      // position -> the first with the same bits
+    std::vector<glm::dvec3> normals_;   // of the file: unit, or 0
     uint32_t firstMaterial_ = 0;
-    std::vector<glm::dvec3> faceNormal_;        // unit, or 0
+    std::vector<glm::dvec3> faceNormal_;  // unit, or 0
     std::vector<Edge> edges_;
-    std::vector<uint32_t> fan_;                 // corner -> a corner of the same fan (union-find; the root is itself)
-    std::vector<glm::dvec4> fanSum_;            // at roots: weighted normals, and their weights
-    std::vector<uint32_t> vertexOf_;            // corner -> vertex
+    std::vector<uint32_t> fan_;       // corner -> a corner of the same fan (union-find; the root is itself)
+    std::vector<glm::dvec4> fanSum_;  // at roots: weighted normals, and their weights
+    std::vector<uint32_t> vertexOf_;  // corner -> vertex
 };
 
 }  // namespace

@@ -18,7 +18,8 @@ constexpr double kRounding = 64 * 0x1p-53;
 bool mirrors(const glm::dmat4& worldFromObject) {
     const dmat3 m(worldFromObject), rows = glm::transpose(m);
     // Hadamard's bound of the determinant; by rows and by columns, for a scale before a rotation and for one after it.
-    const double most = std::min(glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]), glm::length(rows[0]) * glm::length(rows[1]) * glm::length(rows[2]));
+    const double most = std::min(glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]),
+                                 glm::length(rows[0]) * glm::length(rows[1]) * glm::length(rows[2]));
     return glm::determinant(m) < -kRounding * most;
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // A camera and lights for scenes that state none.
-#include "pipeline/transform/degrees.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/text.h"
+#include "pipeline/transform/degrees.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <limits>
 #include <string>
@@ -43,7 +43,7 @@ constexpr glm::dvec3 kKeyDirection{-0.45, 0.85, 0.7}, kFillDirection{0.27, -0.51
 constexpr float kKeyIntensity = 0.42f, kFillIntensity = 0.11f, kAmbientIntensity = 0.1f;
 
 struct Axes {
-    glm::dvec3 right, up, back;   // back: from the framed centre toward the eye
+    glm::dvec3 right, up, back;  // back: from the framed centre toward the eye
 };
 
 // Front of a mesh: +Z when +Y is up; for another up direction, the smallest rotation that takes +Y there (so -Y is the
@@ -64,13 +64,19 @@ Axes frontAxes(const Scene& scene) {
 }
 
 struct Angles {
-    double azimuth, elevation;   // degrees; azimuth toward the right of the front
+    double azimuth, elevation;  // degrees; azimuth toward the right of the front
 };
 
 Angles anglesOfView(const std::string& view) {
     static const std::pair<const char*, Angles> kNamed[] = {
-        {"", {kAzimuthDegrees, kElevationDegrees}}, {"front", {0, 0}}, {"right", {90, 0}}, {"back", {180, 0}}, {"left", {270, 0}},
-        {"top", {0, 90}}, {"bottom", {0, -90}}, {"iso", {45, 35.264389682754654}},   // arctan(1/sqrt 2): a cube's diagonal
+        {"", {kAzimuthDegrees, kElevationDegrees}},
+        {"front", {0, 0}},
+        {"right", {90, 0}},
+        {"back", {180, 0}},
+        {"left", {270, 0}},
+        {"top", {0, 90}},
+        {"bottom", {0, -90}},
+        {"iso", {45, 35.264389682754654}},  // arctan(1/sqrt 2): a cube's diagonal
     };
     for (const auto& [name, angles] : kNamed)
         if (view == name) return angles;
@@ -78,8 +84,10 @@ Angles anglesOfView(const std::string& view) {
     float azimuth = 0, elevation = 0;
     if (comma == std::string::npos || !parseFloat(std::string_view(view).substr(0, comma), azimuth) ||
         !parseFloat(std::string_view(view).substr(comma + 1), elevation) || !std::isfinite(azimuth) || !(std::abs(elevation) <= 90))
-        throw usageError(fmt::format("view '{}' is not front, back, left, right, top, bottom, iso, or AZIMUTH,ELEVATION in degrees "
-                                     "(elevation from -90 to 90)", printable(view, 40)));
+        throw usageError(
+            fmt::format("view '{}' is not front, back, left, right, top, bottom, iso, or AZIMUTH,ELEVATION in degrees "
+                        "(elevation from -90 to 90)",
+                        printable(view, 40)));
     return {azimuth, elevation};
 }
 
@@ -121,9 +129,8 @@ Camera frameCamera(const Scene& scene, double aspect, const std::string& view) {
     }
     // The box of a sphere; planes have no end to frame.
     for (const SphereShape& sphere : scene.spheres)
-        for (int i = 0; i < 8; ++i)
-            include(sphere.centre + sphere.radius * glm::dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
-    if (!(least.x <= most.x)) least = most = glm::dvec3(0), lowest = highest = glm::dvec2(0);   // nothing to frame
+        for (int i = 0; i < 8; ++i) include(sphere.centre + sphere.radius * glm::dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+    if (!(least.x <= most.x)) least = most = glm::dvec3(0), lowest = highest = glm::dvec2(0);  // nothing to frame
 
     const double radius = glm::length(most - least) / 2;
     const double clearance = radius > 0 ? kLeastClearance * radius : 1.0;

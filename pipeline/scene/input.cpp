@@ -4,21 +4,21 @@
 #include "host/error.h"
 #include "pipeline/scene/extension.h"
 
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
-#include <fmt/core.h>
 #include <fstream>
-#include <poll.h>
 #include <string>
 #include <string_view>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <utility>
 
 namespace plumb {
@@ -29,8 +29,9 @@ namespace fs = std::filesystem;
 constexpr size_t kHeadBytes = size_t(1) << 16;
 constexpr int kWaitMs = 100;  // for a writer; between two looks at an interrupt
 
-constexpr std::pair<std::string_view, FileFormat> kFormats[] = {{"obj", FileFormat::obj},   {"ply", FileFormat::ply},  {"stl", FileFormat::stl},  {"off", FileFormat::off},
-                                                                {"gltf", FileFormat::gltf}, {"glb", FileFormat::gltf}, {"toml", FileFormat::toml}};
+constexpr std::pair<std::string_view, FileFormat> kFormats[] = {
+    {"obj", FileFormat::obj},   {"ply", FileFormat::ply},  {"stl", FileFormat::stl},  {"off", FileFormat::off},
+    {"gltf", FileFormat::gltf}, {"glb", FileFormat::gltf}, {"toml", FileFormat::toml}};
 
 FileFormat formatNamed(std::string_view name) {
     for (const auto& [word, format] : kFormats)
@@ -89,15 +90,16 @@ FileFormat formatOfText(std::string_view text) {
 FileFormat unknownFormat(const fs::path& path, std::string_view formats) {
     const std::string extension = path.extension().string();
     throw inputError(printablePath(path), fmt::format("{} and the first bytes tell no format; --format names it: {}",
-                                                      isStandardInput(path)   ? "it has no name"
-                                                      : extension.empty()     ? "the name has no extension"
-                                                                              : fmt::format("unknown extension '{}'", printable(extension, 40)),
+                                                      isStandardInput(path) ? "it has no name"
+                                                      : extension.empty()   ? "the name has no extension"
+                                                                          : fmt::format("unknown extension '{}'", printable(extension, 40)),
                                                       formats));
 }
 
 void refuseFolder(const fs::path& path) {
     std::error_code ignored;
-    if (!isStandardInput(path) && fs::is_directory(path, ignored)) throw inputError(printablePath(path), "is a folder, not a model: name the files in it");
+    if (!isStandardInput(path) && fs::is_directory(path, ignored))
+        throw inputError(printablePath(path), "is a folder, not a model: name the files in it");
 }
 
 }  // namespace
@@ -124,7 +126,8 @@ FileFormat formatOfReference(const fs::path& path, const LoadOptions&) {
     FileFormat format = formatOfExtension(path);
     struct stat status {};
     // What is no regular file is refused by the reader, and never opened.
-    if (format == FileFormat::unknown && ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode)) format = formatOfContent(headOf(path), uint64_t(status.st_size));
+    if (format == FileFormat::unknown && ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode))
+        format = formatOfContent(headOf(path), uint64_t(status.st_size));
     return format;
 }
 
@@ -135,7 +138,8 @@ FileFormat formatOfInput(const fs::path& path, const LoadOptions& options) {
     if (const auto once = options.once->find(path.native()); once != options.once->end()) {
         format = formatOfExtension(path);
         if (format == FileFormat::unknown && once->second.empty()) throw inputError(printablePath(path), "it is empty");
-        if (format == FileFormat::unknown) format = formatOfContent(std::string_view(once->second).substr(0, kHeadBytes), once->second.size());
+        if (format == FileFormat::unknown)
+            format = formatOfContent(std::string_view(once->second).substr(0, kHeadBytes), once->second.size());
     } else {
         std::error_code failed;
         if (formatOfExtension(path) == FileFormat::unknown && !fs::exists(path, failed)) readWholeFile(path);  // says why
@@ -177,7 +181,8 @@ void rememberOnce(const fs::path& path, const LoadOptions& options) {
             break;
         }
         done += size_t(got);
-        if (done > kMaxFileBytes) throw inputError(place, fmt::format("has more than {} bytes; at most {} are read", kMaxFileBytes, kMaxFileBytes));
+        if (done > kMaxFileBytes)
+            throw inputError(place, fmt::format("has more than {} bytes; at most {} are read", kMaxFileBytes, kMaxFileBytes));
     }
     bytes.shrink_to_fit();
     (*options.once)[path.native()] = std::move(bytes);
@@ -191,10 +196,13 @@ fs::path referenceBase(const fs::path& path, const LoadOptions& options) {
 
 std::string readInput(const fs::path& path, const LoadOptions& options, uint64_t maxBytes) {
     if (const auto once = options.once->find(path.native()); once != options.once->end()) {
-        if (once->second.size() > maxBytes) throw inputError(printablePath(path), fmt::format("has {} bytes; at most {} are read", once->second.size(), maxBytes));
+        if (once->second.size() > maxBytes)
+            throw inputError(printablePath(path), fmt::format("has {} bytes; at most {} are read", once->second.size(), maxBytes));
         return once->second;
     }
-    return readWholeFileTelling(path, maxBytes, [&](uint64_t done, uint64_t size) { LoadMeter(options, "read", kReadEnds * double(done) / double(std::max<uint64_t>(1, size)), kReadEnds, 1); });
+    return readWholeFileTelling(path, maxBytes, [&](uint64_t done, uint64_t size) {
+        LoadMeter(options, "read", kReadEnds * double(done) / double(std::max<uint64_t>(1, size)), kReadEnds, 1);
+    });
 }
 
 void LoadMeter::tell(uint64_t done) {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/scene/add_mesh.h"
-#include "pipeline/scene/input.h"
 #include "pipeline/scene/load.h"
-#include "pipeline/scene/plain_floats.h"
+#include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/extension.h"
+#include "pipeline/scene/input.h"
+#include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <fmt/core.h>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,13 +21,18 @@ namespace {
 // A mesh of `format`; null for what is no mesh alone.
 PolygonMesh (*readerOf(FileFormat format))(const std::filesystem::path&, const LoadOptions&) {
     switch (format) {
-        case FileFormat::obj: return readObj;
-        case FileFormat::ply: return readPly;
-        case FileFormat::stl: return readStl;
-        case FileFormat::off: return readOff;
+        case FileFormat::obj:
+            return readObj;
+        case FileFormat::ply:
+            return readPly;
+        case FileFormat::stl:
+            return readStl;
+        case FileFormat::off:
+            return readOff;
         case FileFormat::unknown:
         case FileFormat::gltf:
-        case FileFormat::toml: break;
+        case FileFormat::toml:
+            break;
     }
     return nullptr;
 }
@@ -66,7 +71,8 @@ uint32_t addMeshFile(Scene& scene, const std::filesystem::path& path, const Load
     if (readerOf(format) == nullptr) {
         std::error_code failed;
         if (!std::filesystem::exists(path, failed)) readWholeFile(path);  // says why
-        throw inputError(printablePath(path), fmt::format("unknown extension '{}'; read are .obj, .ply, .stl, .off", printable(path.extension().string(), 40)));
+        throw inputError(printablePath(path),
+                         fmt::format("unknown extension '{}'; read are .obj, .ply, .stl, .off", printable(path.extension().string(), 40)));
     }
     return addMeshOf(format, scene, path, options);
 }
@@ -88,7 +94,8 @@ Scene loadScene(const std::vector<std::filesystem::path>& paths, const LoadOptio
         }
         formats.push_back(formatOfInput(path, options));
         if (readerOf(formats.back()) != nullptr) continue;
-        if (paths.size() > 1) throw usageError(fmt::format("'{}' is a whole scene; only mesh files can be given together", printablePath(path)));
+        if (paths.size() > 1)
+            throw usageError(fmt::format("'{}' is a whole scene; only mesh files can be given together", printablePath(path)));
         return formats.back() == FileFormat::gltf ? readGltf(path, options) : readSceneToml(path, options);
     }
     Scene scene;

@@ -16,25 +16,25 @@
 namespace plumb {
 
 struct LoadOptions {
-    bool allowOutside = false;        // references may leave the folder of the file that names them
-    bool strict = false;              // ignored features and missing material libraries are refused
-    bool keepMaterials = true;        // false: the caller replaces them, so material libraries are not looked for
-    double creaseDegrees = 60;        // missing normals: faces meeting at less are smooth
-    bool keepNumbers = true;          // meshes keep the file's binary64 positions where float32 rounds them: for truthOf
-    std::string format;               // obj, ply, stl, off, gltf, glb or toml: of the inputs, whatever their names; empty: by extension, else by content
+    bool allowOutside = false;  // references may leave the folder of the file that names them
+    bool strict = false;        // ignored features and missing material libraries are refused
+    bool keepMaterials = true;  // false: the caller replaces them, so material libraries are not looked for
+    double creaseDegrees = 60;  // missing normals: faces meeting at less are smooth
+    bool keepNumbers = true;    // meshes keep the file's binary64 positions where float32 rounds them: for truthOf
+    std::string format;  // obj, ply, stl, off, gltf, glb or toml: of the inputs, whatever their names; empty: by extension, else by content
     std::function<void(double, const char*)> onProgress;  // 0..1 of all inputs, and the stage: read, parse, finish; often called, may throw
-    double from = 0, to = 1;          // what is told of the file that is read: its part of all
+    double from = 0, to = 1;                              // what is told of the file that is read: its part of all
     // Inputs that can be read only once (standard input, FIFOs), by their paths, for as long as their bytes are asked for.
     std::shared_ptr<std::map<std::string, std::string>> once = std::make_shared<std::map<std::string, std::string>>();
 };
 
 // One reader a format (files of the same name). The bytes are bounded: regular files only, size checked first.
-PolygonMesh readObj(const std::filesystem::path&, const LoadOptions&);   // + MTL
-PolygonMesh readPly(const std::filesystem::path&, const LoadOptions&);   // ascii, binary little and big endian
-PolygonMesh readStl(const std::filesystem::path&, const LoadOptions&);   // ascii, binary
+PolygonMesh readObj(const std::filesystem::path&, const LoadOptions&);  // + MTL
+PolygonMesh readPly(const std::filesystem::path&, const LoadOptions&);  // ascii, binary little and big endian
+PolygonMesh readStl(const std::filesystem::path&, const LoadOptions&);  // ascii, binary
 PolygonMesh readOff(const std::filesystem::path&, const LoadOptions&);
-Scene readGltf(const std::filesystem::path&, const LoadOptions&);        // .gltf and .glb: whole scenes
-Scene readSceneToml(const std::filesystem::path&, const LoadOptions&);   // docs/scene-format.md
+Scene readGltf(const std::filesystem::path&, const LoadOptions&);       // .gltf and .glb: whole scenes
+Scene readSceneToml(const std::filesystem::path&, const LoadOptions&);  // docs/scene-format.md
 
 // Triangulates (ear clipping for concave faces, fan for convex), builds missing normals per polygon corner with the
 // crease angle, makes (position, normal, material) vertices unique, lists edges once, flushes denormals, counts repairs.

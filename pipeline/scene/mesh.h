@@ -35,42 +35,49 @@ struct Material {
 struct PolygonMesh {
     std::string name;
     Positions positions;
-    std::vector<glm::vec3> normals;          // as in the file; need not be unit
-    struct Corner { uint32_t position; uint32_t normal = kNone; };
+    std::vector<glm::vec3> normals;  // as in the file; need not be unit
+    struct Corner {
+        uint32_t position;
+        uint32_t normal = kNone;
+    };
     std::vector<Corner> corners;
-    std::vector<uint32_t> faceFirst;         // size faces + 1; corners of face f: [faceFirst[f], faceFirst[f+1])
-    std::vector<uint32_t> faceMaterial;      // size faces, index into materials or kNone
-    std::vector<uint32_t> faceSmoothing;     // size faces or empty; OBJ `s`: 0 = off (flat), kNone = not stated
+    std::vector<uint32_t> faceFirst;      // size faces + 1; corners of face f: [faceFirst[f], faceFirst[f+1])
+    std::vector<uint32_t> faceMaterial;   // size faces, index into materials or kNone
+    std::vector<uint32_t> faceSmoothing;  // size faces or empty; OBJ `s`: 0 = off (flat), kNone = not stated
     std::vector<Material> materials;
-    std::vector<glm::vec3> colours;          // per position (PLY), or empty
-    std::vector<std::string> ignored;        // what the file asks for and is not drawn, one entry a kind
-    std::vector<std::string> warnings;       // counted ones, e.g. "material library 'x.mtl' is missing"
-    std::string place;                       // where its faces are stated: file:line:column, or the file; for messages
+    std::vector<glm::vec3> colours;     // per position (PLY), or empty
+    std::vector<std::string> ignored;   // what the file asks for and is not drawn, one entry a kind
+    std::vector<std::string> warnings;  // counted ones, e.g. "material library 'x.mtl' is missing"
+    std::string place;                  // where its faces are stated: file:line:column, or the file; for messages
 };
 
 // As drawn. A vertex is a distinct (position, normal, material) triple; a face keeps its own record for flat shading.
 struct TriangleMesh {
     std::string name;
-    glm::dvec3 origin{0};                    // where the numbers below start, in the object's space (mesh_origin.h); worldFromMesh knows it
-    std::vector<glm::vec3> positions;        // per vertex, from the origin
-    std::vector<glm::vec3> normals;          // per vertex, unit length (+-2 ulp), never zero
-    std::vector<uint32_t> vertexMaterial;    // per vertex, index into the scene's materials
-    struct Triangle { uint32_t vertex[3]; uint32_t face; };
-    std::vector<Triangle> triangles;         // counter-clockwise seen from outside in a right-handed world
-    std::vector<glm::vec3> faceCentre;       // per face: mean of its corners, from the origin
-    std::vector<glm::vec3> faceNormal;       // per face: Newell's normal, unit; zero-area faces: (0,0,1), counted
-    std::vector<uint32_t> faceMaterial;      // per face, index into the scene's materials
-    std::vector<glm::uvec2> edges;           // each polygon edge once (by position), as vertex indices; for wire frames
-    uint32_t degenerateFaces = 0;            // zero area
-    uint32_t repairedNormals = 0;            // zero or opposite vertex normals replaced by the face normal
-    uint32_t flushedDenormals = 0;           // |x| < 2^-126 set to +0
-    uint32_t selfCrossingFaces = 0;          // no ear was left: the rest was cut as a fan
-    uint32_t firstSelfCrossing = kNone;      // the first of these
-    std::string place;                       // where its faces are stated: file:line:column, or the file; for messages
-    glm::vec3 boundsMin{0}, boundsMax{0};    // of the positions, from the origin
-    glm::dvec3 statedMin{0}, statedMax{0};   // the same box as the file states it, in the object's space
-    glm::dvec3 lost{0};                      // the most that a vertex is off what the file says, along each axis
-    std::vector<glm::dvec3> stated;          // per vertex, the file's own numbers for the truth; empty: origin + position (LoadOptions::keepNumbers). Whoever moves positions empties it
+    glm::dvec3 origin{0};                  // where the numbers below start, in the object's space (mesh_origin.h); worldFromMesh knows it
+    std::vector<glm::vec3> positions;      // per vertex, from the origin
+    std::vector<glm::vec3> normals;        // per vertex, unit length (+-2 ulp), never zero
+    std::vector<uint32_t> vertexMaterial;  // per vertex, index into the scene's materials
+    struct Triangle {
+        uint32_t vertex[3];
+        uint32_t face;
+    };
+    std::vector<Triangle> triangles;        // counter-clockwise seen from outside in a right-handed world
+    std::vector<glm::vec3> faceCentre;      // per face: mean of its corners, from the origin
+    std::vector<glm::vec3> faceNormal;      // per face: Newell's normal, unit; zero-area faces: (0,0,1), counted
+    std::vector<uint32_t> faceMaterial;     // per face, index into the scene's materials
+    std::vector<glm::uvec2> edges;          // each polygon edge once (by position), as vertex indices; for wire frames
+    uint32_t degenerateFaces = 0;           // zero area
+    uint32_t repairedNormals = 0;           // zero or opposite vertex normals replaced by the face normal
+    uint32_t flushedDenormals = 0;          // |x| < 2^-126 set to +0
+    uint32_t selfCrossingFaces = 0;         // no ear was left: the rest was cut as a fan
+    uint32_t firstSelfCrossing = kNone;     // the first of these
+    std::string place;                      // where its faces are stated: file:line:column, or the file; for messages
+    glm::vec3 boundsMin{0}, boundsMax{0};   // of the positions, from the origin
+    glm::dvec3 statedMin{0}, statedMax{0};  // the same box as the file states it, in the object's space
+    glm::dvec3 lost{0};                     // the most that a vertex is off what the file says, along each axis
+    std::vector<glm::dvec3>
+        stated;  // per vertex, the file's own numbers for the truth; empty: origin + position (LoadOptions::keepNumbers). Whoever moves positions empties it
     glm::dvec3 statedAt(size_t vertex) const { return stated.empty() ? origin + glm::dvec3(positions[vertex]) : stated[vertex]; }
 };
 

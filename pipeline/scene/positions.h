@@ -46,7 +46,7 @@ private:
         return wide_;
     }
 
-    std::vector<glm::vec3> narrow_;   // one of the two is empty
+    std::vector<glm::vec3> narrow_;  // one of the two is empty
     std::vector<glm::dvec3> wide_;
 };
 

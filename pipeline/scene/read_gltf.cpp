@@ -10,17 +10,17 @@
 #include "pipeline/scene/sha256.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <cstring>
 #include <filesystem>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -59,9 +59,7 @@ public:
     Value(const std::filesystem::path& file, const json& node, std::string pointer)
         : file_(&file), node_(&node), pointer_(std::move(pointer)) {}
 
-    [[noreturn]] void refuse(std::string_view text) const {
-        throw inputError(place(), std::string(text));
-    }
+    [[noreturn]] void refuse(std::string_view text) const { throw inputError(place(), std::string(text)); }
     std::string place() const { return placeOfPointer(*file_, pointer_.empty() ? "/" : pointer_); }
 
     std::optional<Value> find(const char* key) const {
@@ -146,8 +144,11 @@ private:
     }
     std::string described() const {
         if (node_->is_number()) return printable(node_->dump(), 40);
-        return node_->is_null() ? "null" : node_->is_boolean() ? "a boolean" : node_->is_string() ? "a string"
-               : node_->is_array() ? "an array" : "an object";
+        return node_->is_null()      ? "null"
+               : node_->is_boolean() ? "a boolean"
+               : node_->is_string()  ? "a string"
+               : node_->is_array()   ? "an array"
+                                     : "an object";
     }
 
     const std::filesystem::path* file_;
@@ -172,10 +173,17 @@ struct Accessor {
 
 size_t bytesOfComponent(int componentType) {
     switch (componentType) {
-        case 5120: case 5121: return 1;
-        case 5122: case 5123: return 2;
-        case 5125: case 5126: return 4;
-        default: return 0;
+        case 5120:
+        case 5121:
+            return 1;
+        case 5122:
+        case 5123:
+            return 2;
+        case 5125:
+        case 5126:
+            return 4;
+        default:
+            return 0;
     }
 }
 
@@ -190,12 +198,18 @@ T loadAs(const char* from) {
 double Accessor::component(size_t element, int i) const {
     const char* at = data + element * stride + size_t(i) * bytesOfComponent(componentType);
     switch (componentType) {
-        case 5120: return normalized ? std::max(loadAs<int8_t>(at) / 127.0, -1.0) : loadAs<int8_t>(at);
-        case 5121: return normalized ? loadAs<uint8_t>(at) / 255.0 : loadAs<uint8_t>(at);
-        case 5122: return normalized ? std::max(loadAs<int16_t>(at) / 32767.0, -1.0) : loadAs<int16_t>(at);
-        case 5123: return normalized ? loadAs<uint16_t>(at) / 65535.0 : loadAs<uint16_t>(at);
-        case 5125: return loadAs<uint32_t>(at);
-        default: return loadAs<float>(at);
+        case 5120:
+            return normalized ? std::max(loadAs<int8_t>(at) / 127.0, -1.0) : loadAs<int8_t>(at);
+        case 5121:
+            return normalized ? loadAs<uint8_t>(at) / 255.0 : loadAs<uint8_t>(at);
+        case 5122:
+            return normalized ? std::max(loadAs<int16_t>(at) / 32767.0, -1.0) : loadAs<int16_t>(at);
+        case 5123:
+            return normalized ? loadAs<uint16_t>(at) / 65535.0 : loadAs<uint16_t>(at);
+        case 5125:
+            return loadAs<uint32_t>(at);
+        default:
+            return loadAs<float>(at);
     }
 }
 
@@ -266,15 +280,15 @@ private:
     size_t meshesRead_ = 0;
     std::string bytes_;
     bool isGlb_ = false;
-    size_t jsonStart_ = 0;          // of the JSON text in bytes_
+    size_t jsonStart_ = 0;  // of the JSON text in bytes_
     std::string_view binaryChunk_;
     bool hasBinaryChunk_ = false;
     json json_;
     std::vector<Value> buffers_, bufferViews_, accessors_, nodes_, meshes_, lights_, cameras_;
     std::vector<std::optional<std::string_view>> bufferData_;
-    std::vector<std::unique_ptr<std::string>> loaded_;                // owns what bufferData_ shows
-    std::map<std::string, std::string_view> files_;                   // external buffers, each read once
-    std::vector<std::optional<uint32_t>> meshInScene_;                // kNone: nothing to draw in it
+    std::vector<std::unique_ptr<std::string>> loaded_;  // owns what bufferData_ shows
+    std::map<std::string, std::string_view> files_;     // external buffers, each read once
+    std::vector<std::optional<uint32_t>> meshInScene_;  // kNone: nothing to draw in it
     std::vector<bool> visited_;
     uint64_t bytesRead_ = 0, corners_ = 0;
     Scene scene_;
@@ -299,8 +313,7 @@ std::string_view GltfFile::unpackGlb() {
     const auto refuse = [&](size_t at, const std::string& text) -> Error { return inputError(placeOfByte(path_, at), text); };
     if (all.size() < 12) throw refuse(all.size(), "the file ends in the GLB header");
     if (word(4) != 2) throw refuse(4, fmt::format("GLB version {}; only 2 is read", word(4)));
-    if (word(8) > all.size())
-        throw refuse(8, fmt::format("GLB length is {}, but the file has {} bytes", word(8), all.size()));
+    if (word(8) > all.size()) throw refuse(8, fmt::format("GLB length is {}, but the file has {} bytes", word(8), all.size()));
     const size_t end = word(8);
     std::string_view text;
     bool first = true;
@@ -342,8 +355,10 @@ void GltfFile::refuseDeepJson(std::string_view text) const {
     for (size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
         if (inString) {
-            if (c == '\\') ++i;
-            else if (c == '"') inString = false;
+            if (c == '\\')
+                ++i;
+            else if (c == '"')
+                inString = false;
         } else if (c == '"') {
             inString = true;
         } else if (c == '[' || c == '{') {
@@ -423,8 +438,12 @@ std::string GltfFile::decodeDataUri(const Value& uri) const {
     uint32_t bits = 0;
     int count = 0;
     for (const char c : digits) {
-        const int digit = c >= 'A' && c <= 'Z' ? c - 'A' : c >= 'a' && c <= 'z' ? c - 'a' + 26
-                          : c >= '0' && c <= '9' ? c - '0' + 52 : c == '+' ? 62 : c == '/' ? 63 : -1;
+        const int digit = c >= 'A' && c <= 'Z'   ? c - 'A'
+                          : c >= 'a' && c <= 'z' ? c - 'a' + 26
+                          : c >= '0' && c <= '9' ? c - '0' + 52
+                          : c == '+'             ? 62
+                          : c == '/'             ? 63
+                                                 : -1;
         if (digit < 0) uri.refuse(fmt::format("'{}' is not a base64 digit", printable(std::string_view(&c, 1))));
         bits = (bits << 6 | uint32_t(digit)) & 0xffffffu;
         count += 6;
@@ -463,7 +482,8 @@ std::string_view GltfFile::buffer(size_t i) {
             data = *loaded_.back();
         } else {
             if (text.find("://") != text.npos) uri->refuse("names a network address; only files are read");
-            const auto file = resolveReference(referenceBase(path_, options_), percentDecoded(text), options_.allowOutside, uri->place(), "buffer");
+            const auto file =
+                resolveReference(referenceBase(path_, options_), percentDecoded(text), options_.allowOutside, uri->place(), "buffer");
             std::error_code code;
             if (!std::filesystem::exists(file, code)) uri->refuse(fmt::format("'{}' does not exist", printable(text)));
             const auto [known, isNew] = files_.try_emplace(file.lexically_normal().string());
@@ -490,8 +510,7 @@ std::string_view GltfFile::bufferView(size_t i, size_t* strideBytes) {
     const uint64_t offset = offsetValue ? offsetValue->whole(kMaxFileBytes) : 0;
     const Value lengthValue = value.required("byteLength");
     const uint64_t length = lengthValue.whole(kMaxFileBytes);
-    if (offset + length > data.size())
-        lengthValue.refuse(fmt::format("{} bytes at {} of a buffer of {}", length, offset, data.size()));
+    if (offset + length > data.size()) lengthValue.refuse(fmt::format("{} bytes at {} of a buffer of {}", length, offset, data.size()));
     const auto stride = value.find("byteStride");
     if (stride && stride->whole(252) < 4) stride->refuse("is below 4");
     if (strideBytes) *strideBytes = stride ? size_t(stride->whole(252)) : 0;
@@ -505,7 +524,7 @@ Accessor GltfFile::accessor(const Value& index) {
     const Value typeValue = value.required("type");
     const std::string& type = typeValue.text();
     static const std::map<std::string, int> kComponents{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
-                                                        {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
+                                                        {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
     const auto known = kComponents.find(type);
     if (known == kComponents.end()) typeValue.refuse(fmt::format("'{}' is no type of accessor", printable(type, 40)));
     result.components = known->second;
@@ -527,8 +546,7 @@ Accessor GltfFile::accessor(const Value& index) {
     const auto offsetValue = value.find("byteOffset");
     const uint64_t offset = offsetValue ? offsetValue->whole(kMaxFileBytes) : 0;
     // offset + stride * (count - 1) + elementBytes <= data.size(), without overflow
-    if (offset > data.size() || elementBytes > data.size() - offset ||
-        count - 1 > (data.size() - offset - elementBytes) / result.stride)
+    if (offset > data.size() || elementBytes > data.size() - offset || count - 1 > (data.size() - offset - elementBytes) / result.stride)
         countValue.refuse(fmt::format("is {}: {} bytes an element at {} of a view of {} bytes", count, result.stride, offset, data.size()));
     result.data = data.data() + offset;
     result.count = size_t(count);
@@ -564,8 +582,7 @@ void GltfFile::overlaySparse(const Value& from, const Value& sparse, Accessor& a
         std::memcpy(dense->data() + i * elementBytes, accessor.data + i * accessor.stride, elementBytes);
     for (size_t i = 0; i < count; ++i) {
         const uint32_t element = where.index(i);
-        if (element >= accessor.count)
-            indices.refuse(fmt::format("element {} is {}, but the accessor has {}", i, element, accessor.count));
+        if (element >= accessor.count) indices.refuse(fmt::format("element {} is {}, but the accessor has {}", i, element, accessor.count));
         std::memcpy(dense->data() + element * elementBytes, what + i * elementBytes, elementBytes);
     }
     (void)from;
@@ -633,7 +650,8 @@ void GltfFile::readMaterials() {
     }
 }
 
-void GltfFile::readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder<Positions>& positions, Welder<std::vector<glm::vec3>>& normals) {
+void GltfFile::readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder<Positions>& positions,
+                             Welder<std::vector<glm::vec3>>& normals) {
     ignoreExtensions(primitive, {});
     const auto modeValue = primitive.find("mode");
     const uint64_t mode = modeValue ? modeValue->whole(6) : 4;
@@ -677,8 +695,8 @@ void GltfFile::readPrimitive(const Value& primitive, PolygonMesh& mesh, Welder<P
     const size_t triangles = mode == 4 ? count / 3 : count - 2;
     corners_ += 3 * triangles;
     if (corners_ > kMaxCornersPerByte * bytesRead_)
-        primitive.refuse(fmt::format("the meshes ask for {} corners of {} bytes, more than {} a byte", corners_, bytesRead_,
-                                     kMaxCornersPerByte));
+        primitive.refuse(
+            fmt::format("the meshes ask for {} corners of {} bytes, more than {} a byte", corners_, bytesRead_, kMaxCornersPerByte));
     if (mesh.corners.size() + 3 * triangles >= kNone) primitive.refuse("the mesh has 2^32 corners or more");
 
     const auto load = [&](const Accessor& from, size_t element, const char* name) {
@@ -852,8 +870,7 @@ void GltfFile::readNode(size_t i, const dmat4& worldFromParent, int depth) {
     if (const auto index = node.find("camera")) readCamera(*index, worldFromNode);
     ignoreExtensions(node, {"KHR_lights_punctual"});
     if (const auto extensions = node.find("extensions"))
-        if (const auto punctual = extensions->find("KHR_lights_punctual"))
-            readLight(punctual->required("light"), worldFromNode);
+        if (const auto punctual = extensions->find("KHR_lights_punctual")) readLight(punctual->required("light"), worldFromNode);
     for (const Value& child : node.list("children")) readNode(child.index(nodes_.size(), "nodes"), worldFromNode, depth + 1);
 }
 
@@ -886,9 +903,9 @@ Scene GltfFile::read() {
     const Value version = file.required("asset").required("version");
     if (!version.text().starts_with("2.")) version.refuse(fmt::format("glTF {}; only 2.0 is read", printable(version.text(), 20)));
     for (const Value& name : file.list("extensionsRequired")) {
-        static constexpr std::string_view kRead[] = {
-            "KHR_lights_punctual", "KHR_materials_unlit", "KHR_materials_ior", "KHR_materials_emissive_strength",
-            "KHR_mesh_quantization", "KHR_texture_transform"};
+        static constexpr std::string_view kRead[] = {"KHR_lights_punctual",   "KHR_materials_unlit",
+                                                     "KHR_materials_ior",     "KHR_materials_emissive_strength",
+                                                     "KHR_mesh_quantization", "KHR_texture_transform"};
         if (std::find(std::begin(kRead), std::end(kRead), name.text()) == std::end(kRead))
             name.refuse(fmt::format("the file requires the extension '{}', which is not read", printable(name.text(), 64)));
     }

@@ -6,11 +6,11 @@
 #include "pipeline/scene/ray_shares.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <string>
 #include <string_view>
@@ -109,7 +109,8 @@ private:
         at = rest;
         if (value == 0) in.refuse(fmt::format("face corner: the {} index is 0; the first is 1", field));
         if (value < 0) value += int64_t(count) + 1;
-        if (value <= 0 || value >= int64_t(kNone)) in.refuse(fmt::format("face corner: the {} index is out of range; {} are defined so far", field, count));
+        if (value <= 0 || value >= int64_t(kNone))
+            in.refuse(fmt::format("face corner: the {} index is out of range; {} are defined so far", field, count));
         later |= uint64_t(value) > count;
         return uint32_t(value - 1);
     }
@@ -134,13 +135,13 @@ private:
         const size_t count = mesh_.corners.size() - first;
         if (count < 3) in.refuse(fmt::format("face has {} corners; at least 3 are needed", count));
         mesh_.faceFirst.push_back(uint32_t(mesh_.corners.size()));
-        mesh_.faceMaterial.push_back(faceMaterialName_);   // an index of usedMaterials_ until assignMaterials
+        mesh_.faceMaterial.push_back(faceMaterialName_);  // an index of usedMaterials_ until assignMaterials
         mesh_.faceSmoothing.push_back(smoothing_);
         if (faceMaterialName_ != kNone) ++usedMaterials_[faceMaterialName_].faces;
     }
 
     struct Later {
-        size_t corner, offset;   // of the mesh, of the text
+        size_t corner, offset;  // of the mesh, of the text
         uint32_t textureCoordinate;
     };
 
@@ -151,7 +152,8 @@ private:
         };
         if (corner.position >= mesh_.positions.size()) throw refuse("vertex", mesh_.positions.size());
         if (corner.normal != kNone && corner.normal >= mesh_.normals.size()) throw refuse("normal", mesh_.normals.size());
-        if (later.textureCoordinate != kNone && later.textureCoordinate >= textureCoordinates_) throw refuse("texture coordinate", textureCoordinates_);
+        if (later.textureCoordinate != kNone && later.textureCoordinate >= textureCoordinates_)
+            throw refuse("texture coordinate", textureCoordinates_);
     }
 
     void smoothingGroup(Scanner& in) {
@@ -176,8 +178,8 @@ private:
 
     void unknown(const Scanner& in, std::string_view key, std::string_view format) {
         const bool plausible = key.size() <= 32 && std::all_of(key.begin(), key.end(), [](char c) {
-            return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
-        });
+                                   return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
+                               });
         if (!plausible) in.refuse(fmt::format("'{}' is not an {} statement", printable(key, 40), format));
         ignore(in, fmt::format("{} statement {}", format, key));
         if (mesh_.ignored.size() > kMaxUnknownKinds) in.refuse(fmt::format("more than {} kinds of unknown statements", kMaxUnknownKinds));
@@ -199,7 +201,8 @@ private:
     // False when there is no such file and `last` says that nothing else can be meant: then that is noted.
     bool materialLibrary(const Scanner& in, std::string_view name, bool last) {
         const std::string place = in.place();
-        const std::filesystem::path library = resolveReference(referenceBase(path_, options_), name, options_.allowOutside, place, "material library");
+        const std::filesystem::path library =
+            resolveReference(referenceBase(path_, options_), name, options_.allowOutside, place, "material library");
         std::error_code failed;
         if (!std::filesystem::exists(library, failed)) {
             if (!last) return false;
@@ -269,7 +272,7 @@ private:
         } else if (key == "Ni") {
             const float value = in.number("Ni");
             if (value < 0) in.refuse("Ni is negative");
-            material.refractiveIndex = value == 0 ? 1.0f : value;   // exporters write 0 for "not stated"
+            material.refractiveIndex = value == 0 ? 1.0f : value;  // exporters write 0 for "not stated"
         } else if (key == "d" || key == "Tr") {
             std::string_view word = in.word();
             if (key == "d" && word == "-halo") {
@@ -325,14 +328,17 @@ private:
         if (!missing_.empty())
             mesh_.warnings.push_back(fmt::format("{}; {} faces have the default material", missing_, lost));
         else if (lost > 0 && options_.keepMaterials)
-            mesh_.warnings.push_back(fmt::format("{}: material '{}' is not defined; {} faces have the default material", printablePath(path_), printable(firstLost), lost));
-        if (clamped > 0) mesh_.warnings.push_back(fmt::format("{}: values outside the range are clamped; {} such materials are used", firstClamped, clamped));
+            mesh_.warnings.push_back(fmt::format("{}: material '{}' is not defined; {} faces have the default material",
+                                                 printablePath(path_), printable(firstLost), lost));
+        if (clamped > 0)
+            mesh_.warnings.push_back(
+                fmt::format("{}: values outside the range are clamped; {} such materials are used", firstClamped, clamped));
     }
 
     struct Defined {
         Material material;
         bool clamped = false;
-        std::string place;   // for a warning
+        std::string place;  // for a warning
     };
     struct Used {
         std::string name;
@@ -342,7 +348,7 @@ private:
     const std::filesystem::path& path_;
     const LoadOptions& options_;
     PolygonMesh mesh_;
-    std::vector<Later> later_;   // corners that name what had not come yet
+    std::vector<Later> later_;  // corners that name what had not come yet
     size_t textureCoordinates_ = 0;
     uint32_t faceMaterialName_ = kNone;
     uint32_t smoothing_ = kNone;

@@ -4,10 +4,10 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <string>
 #include <string_view>
@@ -21,7 +21,8 @@ constexpr size_t kLeastVertexBytes = 6, kLeastFaceBytes = 8;
 
 class OffReader {
 public:
-    OffReader(const std::filesystem::path& path, const LoadOptions& options) : path_(path), options_(options), text_(readInput(path, options)), in_(text_, path) {}
+    OffReader(const std::filesystem::path& path, const LoadOptions& options)
+        : path_(path), options_(options), text_(readInput(path, options)), in_(text_, path) {}
 
     PolygonMesh read() {
         mesh_.name = path_.stem().string();
@@ -30,7 +31,7 @@ public:
         const int64_t vertices = count("vertex count", kLeastVertexBytes);
         const int64_t faces = count("face count", kLeastFaceBytes);
         if (faces == 0) in_.refuse("face count is 0: the file has no face");
-        const std::string_view edges = in_.word();   // not needed, often wrong
+        const std::string_view edges = in_.word();  // not needed, often wrong
         if (!edges.empty() && edges[0] != '#') in_.integer(edges, "edge count");
         in_.skipLine();
         mesh_.positions.reserve(size_t(vertices));
@@ -80,7 +81,8 @@ private:
     }
 
     void vertex() {
-        const double x = in_.coordinate(in_.wordAnywhere(), "vertex x"), y = in_.coordinate(in_.wordAnywhere(), "vertex y"), z = in_.coordinate(in_.wordAnywhere(), "vertex z");
+        const double x = in_.coordinate(in_.wordAnywhere(), "vertex x"), y = in_.coordinate(in_.wordAnywhere(), "vertex y"),
+                     z = in_.coordinate(in_.wordAnywhere(), "vertex z");
         mesh_.positions.push_back({x, y, z});
         if (normals_) mesh_.normals.push_back(vector("normal x", "normal y", "normal z"));
         if (!coloured_) {

@@ -4,6 +4,7 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,7 +13,6 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fmt/core.h>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -22,8 +22,8 @@
 namespace plumb {
 namespace {
 
-constexpr size_t kMaxElements = 64, kMaxProperties = 256;   // beyond that it is not a mesh
-constexpr char kNoComment = '\0';                           // after the header PLY has no comments
+constexpr size_t kMaxElements = 64, kMaxProperties = 256;  // beyond that it is not a mesh
+constexpr char kNoComment = '\0';                          // after the header PLY has no comments
 
 enum class Type : uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
@@ -31,11 +31,10 @@ struct TypeName {
     std::string_view name;
     Type type;
 };
-constexpr TypeName kTypes[] = {
-    {"char", Type::int8}, {"uchar", Type::uint8}, {"short", Type::int16}, {"ushort", Type::uint16}, {"int", Type::int32},
-    {"uint", Type::uint32}, {"float", Type::float32}, {"double", Type::float64}, {"int8", Type::int8}, {"uint8", Type::uint8},
-    {"int16", Type::int16}, {"uint16", Type::uint16}, {"int32", Type::int32}, {"uint32", Type::uint32},
-    {"float32", Type::float32}, {"float64", Type::float64}};
+constexpr TypeName kTypes[] = {{"char", Type::int8},   {"uchar", Type::uint8},   {"short", Type::int16},     {"ushort", Type::uint16},
+                               {"int", Type::int32},   {"uint", Type::uint32},   {"float", Type::float32},   {"double", Type::float64},
+                               {"int8", Type::int8},   {"uint8", Type::uint8},   {"int16", Type::int16},     {"uint16", Type::uint16},
+                               {"int32", Type::int32}, {"uint32", Type::uint32}, {"float32", Type::float32}, {"float64", Type::float64}};
 constexpr size_t kTypeBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
 constexpr double kLeast[] = {-128, 0, -32768, 0, -2147483648.0, 0};
 constexpr double kMost[] = {127, 255, 32767, 65535, 2147483647.0, 4294967295.0};
@@ -48,7 +47,7 @@ constexpr std::string_view kRoleNames[] = {"x", "y", "z", "nx", "ny", "nz", "red
 
 struct Property {
     std::string name;
-    Type type = Type::float32;       // of the scalar, or of the list's items
+    Type type = Type::float32;  // of the scalar, or of the list's items
     Type countType = Type::uint8;
     bool list = false;
     Role role = kSkipped;
@@ -57,13 +56,14 @@ struct Property {
 struct Element {
     std::string name;
     uint64_t count = 0;
-    const char* countAt = nullptr;   // in the header, for a refusal
+    const char* countAt = nullptr;  // in the header, for a refusal
     std::vector<Property> properties;
 };
 
 class PlyReader {
 public:
-    PlyReader(const std::filesystem::path& path, const LoadOptions& options) : path_(path), options_(options), text_(readInput(path, options)), in_(text_, path) {}
+    PlyReader(const std::filesystem::path& path, const LoadOptions& options)
+        : path_(path), options_(options), text_(readInput(path, options)), in_(text_, path) {}
 
     PolygonMesh read() {
         mesh_.name = path_.stem().string();
@@ -71,7 +71,8 @@ public:
         header();
         for (const Element& element : elements_) readElement(element);
         const size_t rest = text_.size() - at_;
-        if (!ascii_ && rest > 0) mesh_.warnings.push_back(fmt::format("{}: {} bytes after the last element are ignored", placeOfByte(path_, at_), rest));
+        if (!ascii_ && rest > 0)
+            mesh_.warnings.push_back(fmt::format("{}: {} bytes after the last element are ignored", placeOfByte(path_, at_), rest));
         if (ascii_ && !in_.wordAnywhere(kNoComment).empty()) in_.refuse("more data than the header says");
         checkIndices();
         return std::move(mesh_);
@@ -122,8 +123,10 @@ private:
         const bool carriageReturns = text_[firstLineEnd] == '\r' && text_.compare(firstLineEnd, 2, "\r\n") != 0;
         if (in_.atEnd()) in_.refuse("the file ends after the header");
         at_ = in_.offset();
-        if (text_[at_] == '\r') at_ += !carriageReturns && at_ + 1 < text_.size() && text_[at_ + 1] == '\n' ? 2 : 1;
-        else ++at_;
+        if (text_[at_] == '\r')
+            at_ += !carriageReturns && at_ + 1 < text_.size() && text_[at_ + 1] == '\n' ? 2 : 1;
+        else
+            ++at_;
         if (ascii_) in_.skipLine();
     }
 
@@ -166,7 +169,8 @@ private:
         for (const Property& other : element.properties)
             if (other.name == property.name) in_.refuse(fmt::format("property '{}' is stated twice", printable(property.name, 40)));
         const bool indices = element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index");
-        if (indices && (!property.list || isReal(property.type))) in_.refuse(fmt::format("property {} is not a list of integers", property.name));
+        if (indices && (!property.list || isReal(property.type)))
+            in_.refuse(fmt::format("property {} is not a list of integers", property.name));
         if (indices && roleSeen_[kIndices]) in_.refuse("a second list of vertex indices");
         if (indices) {
             property.role = kIndices;
@@ -195,13 +199,15 @@ private:
     }
 
     void readElement(const Element& element) {
-        if (element.properties.empty()) return;   // takes no bytes, however many it says
+        if (element.properties.empty()) return;  // takes no bytes, however many it says
         size_t least = 0;
-        for (const Property& property : element.properties) least += ascii_ ? 2 : kTypeBytes[size_t(property.list ? property.countType : property.type)];
+        for (const Property& property : element.properties)
+            least += ascii_ ? 2 : kTypeBytes[size_t(property.list ? property.countType : property.type)];
         const uint64_t rest = ascii_ ? text_.size() - in_.offset() + 1 : text_.size() - at_;
         if (element.count > rest / least)
-            throw inputError(in_.placeAt(element.countAt), fmt::format("element {} has a count of {}; the rest of the file holds at most {}",
-                                                                       printable(element.name, 40), element.count, rest / least));
+            throw inputError(in_.placeAt(element.countAt),
+                             fmt::format("element {} has a count of {}; the rest of the file holds at most {}", printable(element.name, 40),
+                                         element.count, rest / least));
         const bool vertex = element.name == "vertex", face = element.name == "face";
         if (vertex) {
             mesh_.positions.reserve(element.count);
@@ -209,7 +215,9 @@ private:
             if (colours_) mesh_.colours.reserve(element.count);
         }
         if (face) mesh_.faceFirst.reserve(element.count + 1);
-        LoadMeter meter(options_, "parse", kReadEnds + (kParseEnds - kReadEnds) * double(ascii_ ? in_.offset() : at_) / double(text_.size()), kParseEnds, rest);
+        LoadMeter meter(options_, "parse",
+                        kReadEnds + (kParseEnds - kReadEnds) * double(ascii_ ? in_.offset() : at_) / double(text_.size()), kParseEnds,
+                        rest);
         double scalar[kScalarRoles] = {};
         for (uint64_t item = 0; item < element.count; ++item) {
             meter.at(rest - (ascii_ ? text_.size() - in_.offset() : text_.size() - at_));
@@ -244,7 +252,7 @@ private:
         if (isReal(type)) {
             double parsed;
             if (!word.empty() && parseDouble(word, parsed)) return parsed;
-            return in_.number(word, fieldOf(element, property, item));   // refuses
+            return in_.number(word, fieldOf(element, property, item));  // refuses
         }
         int64_t whole = 0;
         if (!parseInteger(word, whole)) in_.integer(word, fieldOf(element, property, item));
@@ -256,7 +264,8 @@ private:
     double binary(const Element& element, const Property& property, Type type, uint64_t item) {
         const size_t size = kTypeBytes[size_t(type)];
         valueAt_ = at_;
-        if (text_.size() - at_ < size) throw inputError(placeOfByte(path_, text_.size()), fmt::format("the file ends inside {}", fieldOf(element, property, item)));
+        if (text_.size() - at_ < size)
+            throw inputError(placeOfByte(path_, text_.size()), fmt::format("the file ends inside {}", fieldOf(element, property, item)));
         std::array<char, 8> raw{};
         std::memcpy(raw.data(), text_.data() + at_, size);
         if (swap_) std::reverse(raw.begin(), raw.begin() + std::ptrdiff_t(size));
@@ -266,14 +275,22 @@ private:
             return double(result);
         };
         switch (type) {
-            case Type::int8: return as(int8_t{});
-            case Type::uint8: return as(uint8_t{});
-            case Type::int16: return as(int16_t{});
-            case Type::uint16: return as(uint16_t{});
-            case Type::int32: return as(int32_t{});
-            case Type::uint32: return as(uint32_t{});
-            case Type::float32: return as(float{});
-            case Type::float64: return as(double{});
+            case Type::int8:
+                return as(int8_t{});
+            case Type::uint8:
+                return as(uint8_t{});
+            case Type::int16:
+                return as(int16_t{});
+            case Type::uint16:
+                return as(uint16_t{});
+            case Type::int32:
+                return as(int32_t{});
+            case Type::uint32:
+                return as(uint32_t{});
+            case Type::float32:
+                return as(float{});
+            case Type::float64:
+                return as(double{});
         }
         PLUMB_ASSERT(false);
     }
@@ -292,16 +309,19 @@ private:
         const double count = value(element, property, property.countType, item);
         const bool indices = property.role == kIndices;
         if (count < (indices ? 3 : 0))
-            throw inputError(placeOfValue(), fmt::format("{} has {} entries{}", fieldOf(element, property, item), count, indices ? "; a face has at least 3 corners" : ""));
+            throw inputError(placeOfValue(), fmt::format("{} has {} entries{}", fieldOf(element, property, item), count,
+                                                         indices ? "; a face has at least 3 corners" : ""));
         const size_t most = (text_.size() - at_) / kTypeBytes[size_t(property.type)];  // binary: that many bytes are left
         if (!ascii_ && count > double(most))
-            throw inputError(placeOfValue(), fmt::format("{} has {} entries; the file ends before", fieldOf(element, property, item), count));
+            throw inputError(placeOfValue(),
+                             fmt::format("{} has {} entries; the file ends before", fieldOf(element, property, item), count));
         for (double i = 0; i < count; ++i) {
             const double entry = value(element, property, property.type, item);
             if (!indices) continue;
             if (entry < 0) throw inputError(placeOfValue(), fmt::format("{} is negative: {}", fieldOf(element, property, item), entry));
             if (verticesRead() && entry >= double(mesh_.positions.size()))
-                throw inputError(placeOfValue(), fmt::format("{} is {}; there are {} vertices", fieldOf(element, property, item), entry, mesh_.positions.size()));
+                throw inputError(placeOfValue(), fmt::format("{} is {}; there are {} vertices", fieldOf(element, property, item), entry,
+                                                             mesh_.positions.size()));
             const uint32_t index = uint32_t(entry);
             mesh_.corners.push_back({index, normals_ ? index : kNone});
         }
@@ -311,7 +331,8 @@ private:
 
     // Faces may come before the vertices; and there must be some.
     void checkIndices() const {
-        if (mesh_.faceMaterial.empty()) throw inputError(in_.placeAt(faceElement().countAt), "element face has a count of 0: the file has no face");
+        if (mesh_.faceMaterial.empty())
+            throw inputError(in_.placeAt(faceElement().countAt), "element face has a count of 0: the file has no face");
         for (size_t c = 0; c < mesh_.corners.size(); ++c)
             if (mesh_.corners[c].position >= mesh_.positions.size())
                 throw inputError(in_.placeAt(faceElement().countAt), fmt::format("vertex index {} of corner {}: there are {} vertices",
@@ -325,7 +346,7 @@ private:
     const LoadOptions& options_;
     const std::string text_;
     Scanner in_;
-    size_t at_ = 0, valueAt_ = 0;   // binary: the next byte, the last value's first
+    size_t at_ = 0, valueAt_ = 0;  // binary: the next byte, the last value's first
     bool ascii_ = false, swap_ = false, normals_ = false, colours_ = false;
     std::array<bool, kIndices + 1> roleSeen_{};
     std::vector<Element> elements_;

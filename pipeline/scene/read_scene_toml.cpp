@@ -25,7 +25,8 @@ constexpr uint64_t kMaxSceneFileBytes = uint64_t(16) << 20;
 // A text in pieces, so that how far the parser is can be told between them.
 class MeteredBuffer : public std::streambuf {
 public:
-    MeteredBuffer(std::string_view text, const LoadOptions& options) : text_(text), meter_(options, "parse", kReadEnds, kParseEnds, text.size()) {}
+    MeteredBuffer(std::string_view text, const LoadOptions& options)
+        : text_(text), meter_(options, "parse", kReadEnds, kParseEnds, text.size()) {}
 
 protected:
     int_type underflow() override {
@@ -78,10 +79,9 @@ Scene SceneFile::read() {
         throw inputError(place(error.source()), "TOML: " + printable(error.description()));
     }
     allowKeys(root, "the scene",
-              {"handedness", "up",       "ambient", "background", "encoding", "shading",        "fill",
-               "wire",       "edges",    "viewer",  "size",       "cull",     "max_depth",      "min_weight",
-               "sampling",   "jitter",   "seed",    "levels",     "shadows",  "sphere_heights", "z_buffer",
-               "camera",     "material", "light",   "mesh",       "object",   "sphere",         "plane"});
+              {"handedness", "up",     "ambient",   "background", "encoding", "shading", "fill",   "wire",   "edges",   "viewer",
+               "size",       "cull",   "max_depth", "min_weight", "sampling", "jitter",  "seed",   "levels", "shadows", "sphere_heights",
+               "z_buffer",   "camera", "material",  "light",      "mesh",     "object",  "sphere", "plane"});
     scene_.path = path_.string();
     scene_.sha256 = sha256Hex(std::as_bytes(std::span(text)));
     scene_.materials.push_back(Material{});
@@ -91,7 +91,8 @@ Scene SceneFile::read() {
     eachTable(root, "material", "material", [&](const toml::table& table) { readMaterial(table); });
     eachTable(root, "light", "light", [&](const toml::table& table) { readLight(table); });
     const auto* meshTables = root.get_as<toml::array>("mesh");
-    const double file = options_.from, share = (options_.to - options_.from) / double(meshTables != nullptr ? std::max<size_t>(1, meshTables->size()) : 1);
+    const double file = options_.from,
+                 share = (options_.to - options_.from) / double(meshTables != nullptr ? std::max<size_t>(1, meshTables->size()) : 1);
     eachTable(root, "mesh", "mesh", [&, i = size_t(0)](const toml::table& table) mutable {
         options_.from = file + share * double(i++);  // each mesh has its part of the file
         options_.to = options_.from + share;
@@ -124,8 +125,6 @@ Scene SceneFile::read() {
 
 }  // namespace scene_file
 
-Scene readSceneToml(const std::filesystem::path& path, const LoadOptions& options) {
-    return scene_file::SceneFile(path, options).read();
-}
+Scene readSceneToml(const std::filesystem::path& path, const LoadOptions& options) { return scene_file::SceneFile(path, options).read(); }
 
 }  // namespace plumb

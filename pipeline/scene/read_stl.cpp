@@ -5,6 +5,7 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,7 +13,6 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <string>
 #include <string_view>
@@ -20,7 +20,7 @@
 namespace plumb {
 namespace {
 
-constexpr size_t kHeaderBytes = 84, kFacetBytes = 50;   // 80 of comment and a count; 12 floats and an attribute
+constexpr size_t kHeaderBytes = 84, kFacetBytes = 50;  // 80 of comment and a count; 12 floats and an attribute
 
 static_assert(std::endian::native == std::endian::little, "binary STL is little-endian and read as it lies");
 
@@ -41,7 +41,7 @@ void addFacet(PolygonMesh& mesh, const std::array<glm::dvec3, 3>& corners) {
 }
 
 void readBinary(const std::string& bytes, const std::filesystem::path& path, const LoadOptions& options, PolygonMesh& mesh) {
-    static constexpr const char* kField[12] = {"normal x", "normal y", "normal z", "vertex 1 x", "vertex 1 y", "vertex 1 z",
+    static constexpr const char* kField[12] = {"normal x",   "normal y",   "normal z",   "vertex 1 x", "vertex 1 y", "vertex 1 z",
                                                "vertex 2 x", "vertex 2 y", "vertex 2 z", "vertex 3 x", "vertex 3 y", "vertex 3 z"};
     if (bytes.size() < kHeaderBytes)
         throw inputError(placeOfByte(path, bytes.size()), fmt::format("the file ends inside the header of {} bytes", kHeaderBytes));
@@ -65,7 +65,8 @@ void readBinary(const std::string& bytes, const std::filesystem::path& path, con
             if (!(std::abs(numbers[i]) <= kMaxCoordinate)) finiteFloat(numbers[i], placeOfByte(path, at + 4 * i), kField[i]);
         }
         attributes |= loadAt<uint16_t>(bytes, at + 48) != 0;
-        addFacet(mesh, {{{numbers[3], numbers[4], numbers[5]}, {numbers[6], numbers[7], numbers[8]}, {numbers[9], numbers[10], numbers[11]}}});
+        addFacet(mesh,
+                 {{{numbers[3], numbers[4], numbers[5]}, {numbers[6], numbers[7], numbers[8]}, {numbers[9], numbers[10], numbers[11]}}});
     }
     if (attributes) {
         if (options.strict) throw inputError(placeOfByte(path, kHeaderBytes + 48), "STL facet attributes would be ignored (--strict)");
@@ -96,12 +97,13 @@ void readAscii(const std::string& text, const std::filesystem::path& path, const
     LoadMeter meter(options, "parse", kReadEnds, kParseEnds, text.size());
     expect(in, "solid");
     while (true) {
-        in.skipLine();   // the name of the solid
+        in.skipLine();  // the name of the solid
         while (true) {
             const std::string_view word = in.wordAnywhere(kNoComment);
             if (equalIgnoringCase(word, "endsolid")) break;
             if (word.empty()) in.refuse("the file ends where 'facet' or 'endsolid' is expected");
-            if (!equalIgnoringCase(word, "facet")) in.refuse(fmt::format("'{}' where 'facet' or 'endsolid' is expected", printable(word, 40)));
+            if (!equalIgnoringCase(word, "facet"))
+                in.refuse(fmt::format("'{}' where 'facet' or 'endsolid' is expected", printable(word, 40)));
             expect(in, "normal");
             for (const char* field : kNormalField) in.number(in.wordAnywhere(kNoComment), field);
             expect(in, "outer");

@@ -61,7 +61,9 @@ bool askProcessor() {
 
 // Intel SHA extensions: two rounds an instruction, the state as the words (a, b, e, f) and (c, d, g, h), highest first.
 __attribute__((target("sha,ssse3,sse4.1"))) void addBlocksByInstructions(State& state, const unsigned char* data, size_t blocks) {
-    const auto load = [](const void* from) __attribute__((target("sha,ssse3,sse4.1"))) { return _mm_loadu_si128(static_cast<const __m128i*>(from)); };
+    const auto load = [](const void* from) __attribute__((target("sha,ssse3,sse4.1"))) {
+        return _mm_loadu_si128(static_cast<const __m128i*>(from));
+    };
     const __m128i bigEndian = _mm_set_epi64x(0x0c0d0e0f08090a0b, 0x0405060700010203);
     const __m128i cdab = _mm_shuffle_epi32(load(state.data()), 0xb1), efgh = _mm_shuffle_epi32(load(state.data() + 4), 0x1b);
     __m128i abef = _mm_alignr_epi8(cdab, efgh, 8), cdgh = _mm_blend_epi16(efgh, cdab, 0xf0);

@@ -3,17 +3,17 @@
 
 #include "pipeline/scene/input.h"
 
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fcntl.h>
-#include <fmt/core.h>
 #include <functional>
 #include <limits>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <vector>
 
 namespace plumb {
@@ -98,7 +98,8 @@ size_t editDistance(std::string_view a, std::string_view b, Letters letters) {
 std::string printablePath(const std::filesystem::path& path) { return printable(path.native()); }
 
 std::string placeOfPart(const std::string& place, const std::filesystem::path& file, std::string_view kind, std::string_view name) {
-    return fmt::format("{}: {}{}", place.empty() ? printablePath(file) : place, kind, name.empty() ? "" : fmt::format(" '{}'", printable(name, 64)));
+    return fmt::format("{}: {}{}", place.empty() ? printablePath(file) : place, kind,
+                       name.empty() ? "" : fmt::format(" '{}'", printable(name, 64)));
 }
 
 std::string placeOfLine(const std::filesystem::path& file, size_t line, size_t column) {
@@ -113,7 +114,8 @@ std::string placeOfPointer(const std::filesystem::path& file, std::string_view p
 
 std::string readWholeFile(const std::filesystem::path& path, uint64_t maxBytes) { return readWholeFileTelling(path, maxBytes, {}); }
 
-std::string readWholeFileTelling(const std::filesystem::path& path, uint64_t maxBytes, const std::function<void(uint64_t, uint64_t)>& tell) {
+std::string readWholeFileTelling(const std::filesystem::path& path, uint64_t maxBytes,
+                                 const std::function<void(uint64_t, uint64_t)>& tell) {
     const std::string place = printablePath(path);
     const auto refuse = [&] { return inputError(place, std::strerror(errno)); };
     if (path.native().find('\0') != std::string::npos) throw inputError(place, "the name has a NUL character");
@@ -176,7 +178,7 @@ template <class Real>
 static bool parseReal(std::string_view word, Real& value) {
     const char* at = word.data();
     const char* const end = at + word.size();
-    if (at != end && *at == '+' && ++at != end && *at == '-') return false;   // from_chars knows no leading plus
+    if (at != end && *at == '+' && ++at != end && *at == '-') return false;  // from_chars knows no leading plus
     const auto [rest, error] = std::from_chars(at, end, value);
     if (rest != end || at == end) return false;
     if (error == std::errc()) return true;

@@ -72,14 +72,14 @@ public:
     std::string_view word();
     // The rest of the line without surrounding blanks (a trailing comment stays).
     std::string_view restOfLine();
-    void skipLine();                        // to the start of the next line
-    bool lineEnds();                        // only blanks are left in the line
+    void skipLine();  // to the start of the next line
+    bool lineEnds();  // only blanks are left in the line
     // Over blanks, line ends and comments that start with `comment`; the next word, empty at the end of the text.
     std::string_view wordAnywhere(char comment = '#');
 
     float number(std::string_view word, std::string_view field, float limit = kMaxCoordinate);  // finite, or refused
     float number(std::string_view field) { return number(word(), field); }
-    double coordinate(std::string_view word, std::string_view field);   // likewise in binary64, at most kMaxCoordinate
+    double coordinate(std::string_view word, std::string_view field);  // likewise in binary64, at most kMaxCoordinate
     double coordinate(std::string_view field) { return coordinate(word(), field); }
     int64_t integer(std::string_view word, std::string_view field);
 
@@ -93,13 +93,13 @@ public:
 private:
     template <class Real>
     Real real(std::string_view word, std::string_view field, Real limit);
-    bool skipBlanks();                      // false at the end of the line or text
+    bool skipBlanks();  // false at the end of the line or text
 
     std::string_view text_;
     std::filesystem::path file_;
     const char* at_;
     const char* end_;
-    const char* token_;                     // start of the last word
+    const char* token_;  // start of the last word
 };
 
 }  // namespace plumb

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/scene/toml_scene.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <string>
 #include <string_view>
@@ -20,9 +20,9 @@ constexpr double kLargestWeightSum = 1 + 4 * 0x1p-53;
 }  // namespace
 
 void SceneFile::readMaterial(const toml::table& table) {
-    allowKeys(table, "[[material]]",
-              {"name", "ambient", "diffuse", "specular", "emission", "shininess", "opacity", "ior", "density",
-               "reflect", "transmit", "local"});
+    allowKeys(
+        table, "[[material]]",
+        {"name", "ambient", "diffuse", "specular", "emission", "shininess", "opacity", "ior", "density", "reflect", "transmit", "local"});
     const toml::node& nameNode = required(table, "name", "material");
     Material material;
     material.name = stringOf(nameNode, "material.name");
@@ -36,14 +36,11 @@ void SceneFile::readMaterial(const toml::table& table) {
     colour("diffuse", material.diffuse);
     colour("specular", material.specular);
     colour("emission", material.emission);
-    if (const auto* node = table.get("shininess"))
-        material.shininess = float(numberOf(*node, "material.shininess", 0, kMaxShininess));
+    if (const auto* node = table.get("shininess")) material.shininess = float(numberOf(*node, "material.shininess", 0, kMaxShininess));
     if (const auto* node = table.get("opacity")) material.opacity = float(numberOf(*node, "material.opacity", 0, 1));
-    if (const auto* node = table.get("ior"))
-        material.refractiveIndex = float(numberOf(*node, "material.ior", 0.01, 100));
+    if (const auto* node = table.get("ior")) material.refractiveIndex = float(numberOf(*node, "material.ior", 0.01, 100));
     if (const auto* node = table.get("density")) {
-        if (table.contains("ior"))
-            refuse(*node, "material.density beside material.ior: they are two names of one number");
+        if (table.contains("ior")) refuse(*node, "material.density beside material.ior: they are two names of one number");
         material.refractiveIndex = float(numberOf(*node, "material.density", 0.01, 100));
     }
     readWeights(table, material);
@@ -82,8 +79,7 @@ uint32_t SceneFile::materialNamed(const toml::node& node, const std::string& fie
         (void)index;
         known.push_back(key);
     }
-    refuse(node,
-           fmt::format("{} names the unknown material '{}'{}", field, printable(name, 64), suggestion(name, known)));
+    refuse(node, fmt::format("{} names the unknown material '{}'{}", field, printable(name, 64), suggestion(name, known)));
 }
 
 }  // namespace plumb::scene_file

@@ -5,10 +5,10 @@
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/input.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <set>
 #include <string>
@@ -44,8 +44,7 @@ void SceneFile::readMesh(const toml::table& table) {
         const std::string reference = stringOf(*fileNode, "mesh.file");
         const auto file = resolveReference(referenceBase(path_, options_), reference, options.allowOutside, place(*fileNode), "mesh.file");
         std::error_code code;
-        if (!std::filesystem::exists(file, code))
-            refuse(*fileNode, fmt::format("mesh.file '{}' does not exist", printable(reference)));
+        if (!std::filesystem::exists(file, code)) refuse(*fileNode, fmt::format("mesh.file '{}' does not exist", printable(reference)));
         const auto* materialNode = table.get("material");
         const uint32_t material = materialNode ? materialNamed(*materialNode, "mesh.material") : kNone;
         const std::tuple key(file.lexically_normal().string(), options.creaseDegrees, material);
@@ -66,8 +65,7 @@ void SceneFile::readMesh(const toml::table& table) {
 uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& name, const LoadOptions& options) {
     PolygonMesh mesh;
     mesh.name = name;
-    if (!table.get("vertices"))
-        refuse(table, fmt::format("mesh '{}' has neither 'file' nor 'vertices'", printable(name, 64)));
+    if (!table.get("vertices")) refuse(table, fmt::format("mesh '{}' has neither 'file' nor 'vertices'", printable(name, 64)));
     const toml::array& vertices = arrayOf(*table.get("vertices"), "mesh.vertices");
     mesh.positions.reserve(vertices.size());
     for (size_t i = 0; i < vertices.size(); ++i) {
@@ -88,15 +86,13 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
     for (size_t f = 0; f < faces.size(); ++f) {
         const std::string field = fmt::format("mesh.faces[{}]", f);
         const toml::array& face = arrayOf(faces[f], field);
-        if (face.size() < 3)
-            refuse(faces[f], fmt::format("{} has {} vertices; a polygon has at least 3", field, face.size()));
+        if (face.size() < 3) refuse(faces[f], fmt::format("{} has {} vertices; a polygon has at least 3", field, face.size()));
         std::set<int64_t> seen;
         for (size_t corner = 0; corner < face.size(); ++corner) {
             const std::string cornerField = fmt::format("{}[{}]", field, corner);
             if (vertices.empty()) refuse(face[corner], cornerField + " names a vertex of none");
             const int64_t vertex = integerOf(face[corner], cornerField, 0, int64_t(vertices.size()) - 1);
-            if (!seen.insert(vertex).second)
-                refuse(face[corner], fmt::format("{} names vertex {} twice", field, vertex));
+            if (!seen.insert(vertex).second) refuse(face[corner], fmt::format("{} names vertex {} twice", field, vertex));
             mesh.corners.push_back({uint32_t(vertex)});
         }
         mesh.faceFirst.push_back(uint32_t(mesh.corners.size()));

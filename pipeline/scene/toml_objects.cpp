@@ -6,8 +6,8 @@
 #include "pipeline/scene/flattened.h"
 #include "pipeline/scene/text.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,8 +16,7 @@
 namespace plumb::scene_file {
 
 void SceneFile::readObject(const toml::table& table, int parent, int depth) {
-    allowKeys(table, parent < 0 ? "[[object]]" : "[[object.child]]",
-              {"name", "mesh", "material", "transform", "parent", "child"});
+    allowKeys(table, parent < 0 ? "[[object]]" : "[[object.child]]", {"name", "mesh", "material", "transform", "parent", "child"});
     if (depth > kMaxDepth) refuse(table, tooDeep());
     Node node;
     node.table = &table;
@@ -26,8 +25,7 @@ void SceneFile::readObject(const toml::table& table, int parent, int depth) {
         const std::string mesh = stringOf(*meshNode, "object.mesh");
         const auto found = meshes_.find(mesh);
         if (found == meshes_.end())
-            refuse(*meshNode, fmt::format("object.mesh names the unknown mesh '{}'{}", printable(mesh, 64),
-                                          suggestion(mesh, meshNames_)));
+            refuse(*meshNode, fmt::format("object.mesh names the unknown mesh '{}'{}", printable(mesh, 64), suggestion(mesh, meshNames_)));
         node.mesh = found->second;
         node.name = mesh;
     }
@@ -40,8 +38,7 @@ void SceneFile::readObject(const toml::table& table, int parent, int depth) {
         if (node.mesh == kNone) refuse(*materialNode, "object.material without object.mesh");
         node.material = materialNamed(*materialNode, "object.material");
     }
-    if (const auto* transform = table.get("transform"))
-        node.parentFromNode = readTransforms(*transform, "object.transform", node.mesh);
+    if (const auto* transform = table.get("transform")) node.parentFromNode = readTransforms(*transform, "object.transform", node.mesh);
     if (const auto* parentNode = table.get("parent")) {
         if (parent >= 0) refuse(*parentNode, "object.parent of a nested child: it has a parent already");
         node.parentNamed = parentNode;
@@ -62,8 +59,8 @@ void SceneFile::linkParents() {
                 (void)index;
                 known.push_back(key);
             }
-            refuse(*node.parentNamed, fmt::format("object.parent names the unknown object '{}'{}", printable(name, 64),
-                                                  suggestion(name, known)));
+            refuse(*node.parentNamed,
+                   fmt::format("object.parent names the unknown object '{}'{}", printable(name, 64), suggestion(name, known)));
         }
         node.parent = found->second;
     }
@@ -77,8 +74,7 @@ void SceneFile::placeObjects() {
             const auto again = std::find(chain.begin(), chain.end(), n);
             if (again != chain.end()) {
                 std::string cycle;
-                for (auto member = again; member != chain.end(); ++member)
-                    cycle += printable(nodes_[size_t(*member)].name, 40) + " -> ";
+                for (auto member = again; member != chain.end(); ++member) cycle += printable(nodes_[size_t(*member)].name, 40) + " -> ";
                 const Node& first = nodes_[size_t(n)];
                 refuse(first.parentNamed ? *first.parentNamed : *first.table,
                        fmt::format("object.parent: {}{} is a cycle", printable(cycle, 400), printable(first.name, 40)));
@@ -88,11 +84,9 @@ void SceneFile::placeObjects() {
         }
         for (auto n = chain.rbegin(); n != chain.rend(); ++n) {
             Node& node = nodes_[size_t(*n)];
-            node.worldFromNode = node.parent < 0
-                                     ? node.parentFromNode.matrix
-                                     : nodes_[size_t(node.parent)].worldFromNode * node.parentFromNode.matrix;
-            if (!entriesUsable(node.worldFromNode))
-                refuse(*node.table, "object.transform: the world matrix has entries above 2^100");
+            node.worldFromNode =
+                node.parent < 0 ? node.parentFromNode.matrix : nodes_[size_t(node.parent)].worldFromNode * node.parentFromNode.matrix;
+            if (!entriesUsable(node.worldFromNode)) refuse(*node.table, "object.transform: the world matrix has entries above 2^100");
             node.depth = node.parent < 0 ? 1 : nodes_[size_t(node.parent)].depth + 1;
             if (node.depth > kMaxDepth) refuse(*node.table, tooDeep());
             node.placed = true;
@@ -110,7 +104,8 @@ void SceneFile::placeObjects() {
             if (n->parent < 0) break;
         }
         if (!hasInverse(object.worldFromObject) && leavesNoArea(scene_.meshes[object.mesh], object.worldFromObject))
-            scene_.warnings.push_back(fmt::format("object '{}' is flattened to a line or a point: no surface is left of it", printable(object.name, 64)));
+            scene_.warnings.push_back(
+                fmt::format("object '{}' is flattened to a line or a point: no surface is left of it", printable(object.name, 64)));
         scene_.objects.push_back(std::move(object));
     }
 }

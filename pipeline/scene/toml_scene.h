@@ -8,9 +8,9 @@
 #include "pipeline/scene/toml_values.h"
 #include "pipeline/transform/steps.h"
 
+#include <fmt/format.h>
 #include <cstdint>
 #include <filesystem>
-#include <fmt/format.h>
 #include <functional>
 #include <glm/glm.hpp>
 #include <map>
@@ -45,11 +45,9 @@ private:
         std::vector<Step3> steps;  // elementary, in order of application
     };
     Placement readTransforms(const toml::node& node, const std::string& field, uint32_t mesh) const;
-    Placement readTransform(const toml::table& table, const std::string& field, uint32_t mesh,
-                            const glm::dmat4& before) const;
+    Placement readTransform(const toml::table& table, const std::string& field, uint32_t mesh, const glm::dmat4& before) const;
     Placement readRotate(const toml::node& node, const std::string& field) const;
-    glm::dvec3 centreOf(const toml::node& about, const std::string& field, uint32_t mesh,
-                        const glm::dmat4& before) const;
+    glm::dvec3 centreOf(const toml::node& about, const std::string& field, uint32_t mesh, const glm::dmat4& before) const;
     uint32_t materialNamed(const toml::node& node, const std::string& field) const;
     static std::string tooDeep() { return fmt::format("objects are nested deeper than {}", kMaxDepth); }
     void linkParents();

@@ -4,9 +4,9 @@
 
 #include "pipeline/scene/affine.h"
 
+#include <fmt/format.h>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <string>
 #include <utility>
@@ -30,8 +30,7 @@ void SceneFile::readSettings(const toml::table& root) {
     if (const auto* node = root.get("ambient")) scene_.ambient = colourOf(*node, "ambient", kMaxCoordinate);
     if (const auto* node = root.get("background")) scene_.background = colourOf(*node, "background", 1);
     if (const auto* node = root.get("encoding"))
-        scene_.encoding =
-            choiceOf<Encoding>(*node, "encoding", {{"srgb", Encoding::srgb}, {"linear", Encoding::linear}});
+        scene_.encoding = choiceOf<Encoding>(*node, "encoding", {{"srgb", Encoding::srgb}, {"linear", Encoding::linear}});
     if (const auto* node = root.get("shading"))
         scene_.shading = choiceOf<Shading>(*node, "shading",
                                            {{"wire", Shading::wire},
@@ -40,19 +39,15 @@ void SceneFile::readSettings(const toml::table& root) {
                                             {"gouraud", Shading::gouraud},
                                             {"phong", Shading::phong},
                                             {"ray", Shading::ray}});
-    if (const auto* node = root.get("max_depth"))
-        scene_.maxDepth = uint32_t(integerOf(*node, "max_depth", 1, kMaxRayDepth));
+    if (const auto* node = root.get("max_depth")) scene_.maxDepth = uint32_t(integerOf(*node, "max_depth", 1, kMaxRayDepth));
     if (const auto* node = root.get("min_weight")) scene_.minWeight = numberOf(*node, "min_weight", 0, 1);
     readRays(root);
     if (const auto* node = root.get("shadows")) scene_.shadows = booleanOf(*node, "shadows");
-    if (const auto* node = root.get("fill"))
-        scene_.fill = choiceOf<Fill>(*node, "fill", {{"exact", Fill::exact}, {"notes", Fill::notes}});
+    if (const auto* node = root.get("fill")) scene_.fill = choiceOf<Fill>(*node, "fill", {{"exact", Fill::exact}, {"notes", Fill::notes}});
     if (const auto* node = root.get("wire"))
-        scene_.wire = choiceOf<WireView>(
-            *node, "wire",
-            {{"see-through", WireView::seeThrough}, {"culled", WireView::culled}, {"solid", WireView::solid}});
-    if (const auto* node = root.get("edges"))
-        scene_.wirePerPolygon = choiceOf<bool>(*node, "edges", {{"once", false}, {"polygons", true}});
+        scene_.wire = choiceOf<WireView>(*node, "wire",
+                                         {{"see-through", WireView::seeThrough}, {"culled", WireView::culled}, {"solid", WireView::solid}});
+    if (const auto* node = root.get("edges")) scene_.wirePerPolygon = choiceOf<bool>(*node, "edges", {{"once", false}, {"polygons", true}});
     if (const auto* node = root.get("viewer"))
         scene_.distantViewer = choiceOf<bool>(*node, "viewer", {{"local", false}, {"distant", true}});
     if (const auto* node = root.get("z_buffer")) scene_.zBuffer = booleanOf(*node, "z_buffer"), scene_.zBufferPlace = place(*node);
@@ -80,13 +75,10 @@ void SceneFile::readRays(const toml::table& root) {
     if (const auto* node = root.get("jitter")) {
         const toml::table& jitter = tableOf(*node, "jitter");
         allowKeys(jitter, "jitter", {"reflect", "refract", "shadow"});
-        if (jitter.empty())
-            refuse(*node, "jitter holds nothing; write { reflect = X, refract = X, shadow = X }, each optional");
-        for (const auto& [key, amount] :
-             {std::pair("reflect", &scene_.jitterReflect), std::pair("refract", &scene_.jitterRefract),
-              std::pair("shadow", &scene_.jitterShadow)})
-            if (const auto* value = jitter.get(key))
-                *amount = numberOf(*value, std::string("jitter.") + key, 0, kMostJitter);
+        if (jitter.empty()) refuse(*node, "jitter holds nothing; write { reflect = X, refract = X, shadow = X }, each optional");
+        for (const auto& [key, amount] : {std::pair("reflect", &scene_.jitterReflect), std::pair("refract", &scene_.jitterRefract),
+                                          std::pair("shadow", &scene_.jitterShadow)})
+            if (const auto* value = jitter.get(key)) *amount = numberOf(*value, std::string("jitter.") + key, 0, kMostJitter);
     }
     if (const auto* node = root.get("seed")) scene_.seed = uint32_t(integerOf(*node, "seed", 0, 0xffffffff));
     if (const auto* node = root.get("levels")) {
@@ -103,8 +95,7 @@ void SceneFile::readCamera(const toml::table& table) {
         for (const char* key : {"eye", "at", "up", "fov"})
             if (const auto* other = table.get(key))
                 refuse(*other, fmt::format("camera.{} beside camera.distance: the notes' viewer is fixed", key));
-        if (!scene_.leftHanded)
-            refuse(*distance, "camera.distance is the notes' viewer; it needs handedness = \"left\"");
+        if (!scene_.leftHanded) refuse(*distance, "camera.distance is the notes' viewer; it needs handedness = \"left\"");
         const double d = numberOf(*distance, "camera.distance", 0, kMaxCoordinate);
         if (d == 0) refuse(*distance, "camera.distance is 0");
         camera.eye = {0, 0, -d};
@@ -123,11 +114,10 @@ void SceneFile::readCamera(const toml::table& table) {
         camera.forward = unitVector(toward);
         const dvec3 right = scene_.leftHanded ? glm::cross(up, camera.forward) : glm::cross(camera.forward, up);
         if (largestMagnitude(right) < kMinCross)
-            refuse(upNode ? *upNode : at, fmt::format("camera.up is parallel to the view direction{}",
-                                                      upNode ? "" : "; state another camera.up"));
+            refuse(upNode ? *upNode : at,
+                   fmt::format("camera.up is parallel to the view direction{}", upNode ? "" : "; state another camera.up"));
         camera.right = unitVector(right);
-        camera.up =
-            scene_.leftHanded ? glm::cross(camera.forward, camera.right) : glm::cross(camera.right, camera.forward);
+        camera.up = scene_.leftHanded ? glm::cross(camera.forward, camera.right) : glm::cross(camera.right, camera.forward);
         if (const auto* node = table.get("fov")) {
             camera.fovYDegrees = numberOf(*node, "camera.fov", 0, 180);
             if (camera.fovYDegrees < 1e-3 || camera.fovYDegrees > 179)

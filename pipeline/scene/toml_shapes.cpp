@@ -4,8 +4,8 @@
 
 #include "pipeline/scene/affine.h"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 #include <glm/glm.hpp>
 #include <string>
 #include <utility>
@@ -23,15 +23,13 @@ void SceneFile::readSphere(const toml::table& table) {
     const toml::node& radius = required(table, "radius", "sphere");
     sphere.radius = numberOf(radius, "sphere.radius");
     if (!(sphere.radius > 0)) refuse(radius, fmt::format("sphere.radius is {:g}, not above 0", sphere.radius));
-    if (sphere.radius > kMaxCoordinate)
-        refuse(radius, fmt::format("sphere.radius is {:g}, above 2^100", sphere.radius));
+    if (sphere.radius > kMaxCoordinate) refuse(radius, fmt::format("sphere.radius is {:g}, above 2^100", sphere.radius));
     if (const auto* node = table.get("material")) sphere.material = materialNamed(*node, "sphere.material");
     scene_.spheres.push_back(std::move(sphere));
 }
 
 void SceneFile::readPlane(const toml::table& table) {
-    allowKeys(table, "[[plane]]",
-              {"name", "point", "normal", "u", "u_range", "v_range", "two_sided", "material", "board"});
+    allowKeys(table, "[[plane]]", {"name", "point", "normal", "u", "u_range", "v_range", "two_sided", "material", "board"});
     PlaneShape plane;
     plane.place = place(table);
     if (const auto* node = table.get("name")) plane.name = stringOf(*node, "plane.name");
@@ -45,8 +43,7 @@ void SceneFile::readPlane(const toml::table& table) {
     const auto* uNode = table.get("u");
     if (uNode) u = unitVector(axisOf(*uNode, "plane.u"));
     u -= n * glm::dot(n, u);
-    if (largestMagnitude(u) < kMinCross)
-        refuse(uNode ? *uNode : *table.get("normal"), "plane.u is parallel to plane.normal");
+    if (largestMagnitude(u) < kMinCross) refuse(uNode ? *uNode : *table.get("normal"), "plane.u is parallel to plane.normal");
     plane.u = unitVector(u);
     plane.v = glm::cross(plane.u, n);
     const auto range = [&](const char* key, double& least, double& most) {
@@ -69,8 +66,7 @@ void SceneFile::readPlane(const toml::table& table) {
         const toml::node& square = required(board, "square", "plane.board");
         plane.square = numberOf(square, "plane.board.square");
         if (!(plane.square > 0)) refuse(square, fmt::format("plane.board.square is {:g}, not above 0", plane.square));
-        if (plane.square > kMaxCoordinate)
-            refuse(square, fmt::format("plane.board.square is {:g}, above 2^100", plane.square));
+        if (plane.square > kMaxCoordinate) refuse(square, fmt::format("plane.board.square is {:g}, above 2^100", plane.square));
         plane.otherMaterial = materialNamed(required(board, "material", "plane.board"), "plane.board.material");
         if (const auto* mirrored = board.get("mirrored")) plane.mirrored = booleanOf(*mirrored, "plane.board.mirrored");
     }

@@ -4,8 +4,8 @@
 
 #include "pipeline/scene/affine.h"
 
-#include <cstdint>
 #include <fmt/format.h>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
 #include <string>
@@ -27,8 +27,7 @@ SceneFile::Placement SceneFile::readRotate(const toml::node& node, const std::st
         const dvec3 from = vectorOf(*fromNode, field + ".from");
         const toml::node& toNode = required(rotate, "to", field);
         Placement placement{dmat4(1.0), lineSteps(from, vectorOf(toNode, field + ".to"), degrees)};
-        if (placement.steps.empty())
-            refuse(toNode, field + ".to is the same point as from: two equal points have no line");
+        if (placement.steps.empty()) refuse(toNode, field + ".to is the same point as from: two equal points have no line");
         for (const Step3& step : placement.steps) placement.matrix = step.matrix * placement.matrix;
         return placement;
     }
@@ -78,9 +77,8 @@ SceneFile::Placement SceneFile::readTransform(const toml::table& table, const st
         if (aboutNode) refuse(*aboutNode, field + ".about goes with rotate_x, rotate_y, rotate_z and scale");
         return readRotate(*node, field + ".rotate");
     } else if (const auto* node = table.get("scale")) {
-        const dvec3 factors = node->is_array()
-                                  ? vectorOf(*node, field + ".scale")
-                                  : dvec3(numberOf(*node, field + ".scale", -kMaxCoordinate, kMaxCoordinate));
+        const dvec3 factors = node->is_array() ? vectorOf(*node, field + ".scale")
+                                               : dvec3(numberOf(*node, field + ".scale", -kMaxCoordinate, kMaxCoordinate));
         step = scaleStep(factors);
     } else {
         const toml::node& matrix = *table.get("matrix");
@@ -88,8 +86,7 @@ SceneFile::Placement SceneFile::readTransform(const toml::table& table, const st
         const toml::array& entries = arrayOf(matrix, name);
         if (entries.size() != 16) refuse(matrix, fmt::format("{} has {} numbers, not 16", name, entries.size()));
         double rows[16];
-        for (size_t i = 0; i < 16; ++i)
-            rows[i] = numberOf(entries[i], fmt::format("{}[{}]", name, i), -kMaxCoordinate, kMaxCoordinate);
+        for (size_t i = 0; i < 16; ++i) rows[i] = numberOf(entries[i], fmt::format("{}[{}]", name, i), -kMaxCoordinate, kMaxCoordinate);
         if (rows[12] != 0 || rows[13] != 0 || rows[14] != 0 || rows[15] != 1)
             refuse(matrix, name + ": the last row is not 0, 0, 0, 1 (rows of a matrix for column vectors)");
         step = matrixStep(fromRows(rows));
@@ -108,8 +105,7 @@ SceneFile::Placement SceneFile::readTransforms(const toml::node& node, const std
     for (const toml::node& element : arrayOf(node, field)) {
         const std::string name = fmt::format("{}[{}]", field, i++);
         const toml::table& table = tableOf(element, name);
-        if (table.empty() || (table.size() == 1 && table.contains("about")))
-            refuse(element, name + " holds no transform");
+        if (table.empty() || (table.size() == 1 && table.contains("about"))) refuse(element, name + " holds no transform");
         const Placement next = readTransform(table, name, mesh, all.matrix);
         all.matrix = next.matrix * all.matrix;
         all.steps.insert(all.steps.end(), next.steps.begin(), next.steps.end());

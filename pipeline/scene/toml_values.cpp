@@ -52,9 +52,7 @@ void TomlValues::refuseDeepKeys(std::string_view text) const {
     enum { bare, comment, basic, literal, basicBlock, literalBlock } state = bare;
     size_t line = 1, lineStart = 0;
     int dots = 0;
-    const auto startsBlock = [&](size_t i, char quote) {
-        return i + 2 < text.size() && text[i + 1] == quote && text[i + 2] == quote;
-    };
+    const auto startsBlock = [&](size_t i, char quote) { return i + 2 < text.size() && text[i + 1] == quote && text[i + 2] == quote; };
     for (size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
         switch (state) {
@@ -105,8 +103,8 @@ void TomlValues::allowKeys(const toml::table& table, std::string_view what, cons
     for (const auto& [key, node] : table) {
         (void)node;
         if (std::find(known.begin(), known.end(), key.str()) == known.end())
-            throw inputError(place(key.source()), fmt::format("unknown key '{}' in {}{}", printable(key.str(), 64),
-                                                              what, suggestion(key.str(), known)));
+            throw inputError(place(key.source()),
+                             fmt::format("unknown key '{}' in {}{}", printable(key.str(), 64), what, suggestion(key.str(), known)));
     }
 }
 
@@ -164,8 +162,7 @@ static std::string numberOutside(double value, double least, double most) {
 double TomlValues::numberOf(const toml::node& node, const std::string& field, double least, double most) const {
     const double value = numberOf(node, field);
     if (value < least || value > most)
-        refuse(node,
-               fmt::format("{} is {}, outside {:g} to {:g}", field, numberOutside(value, least, most), least, most));
+        refuse(node, fmt::format("{} is {}, outside {:g} to {:g}", field, numberOutside(value, least, most), least, most));
     return value;
 }
 
@@ -173,8 +170,7 @@ dvec3 TomlValues::vectorOf(const toml::node& node, const std::string& field) con
     const toml::array& array = arrayOf(node, field);
     if (array.size() != 3) refuse(node, fmt::format("{} has {} numbers, not 3", field, array.size()));
     dvec3 v;
-    for (int i = 0; i < 3; ++i)
-        v[i] = numberOf(array[size_t(i)], fmt::format("{}[{}]", field, i), -kMaxCoordinate, kMaxCoordinate);
+    for (int i = 0; i < 3; ++i) v[i] = numberOf(array[size_t(i)], fmt::format("{}[{}]", field, i), -kMaxCoordinate, kMaxCoordinate);
     return v;
 }
 
@@ -190,8 +186,7 @@ glm::vec3 TomlValues::inkOf(const toml::table& table, const std::string& field) 
     allowKeys(table, field, {"cmy", "cmyk"});
     const bool black = table.contains("cmyk");
     if (table.size() != 1)
-        refuse(table, fmt::format("{} holds {} inks; write {{ cmy = [c, m, y] }} or {{ cmyk = [c, m, y, k] }}", field,
-                                  table.size()));
+        refuse(table, fmt::format("{} holds {} inks; write {{ cmy = [c, m, y] }} or {{ cmyk = [c, m, y, k] }}", field, table.size()));
     const std::string name = field + (black ? ".cmyk" : ".cmy");
     const toml::node& node = *table.get(black ? "cmyk" : "cmy");
     const toml::array& array = arrayOf(node, name);
@@ -207,9 +202,7 @@ glm::vec3 TomlValues::inkOf(const toml::table& table, const std::string& field) 
 glm::vec3 TomlValues::colourOf(const toml::node& node, const std::string& field, double most) const {
     if (const auto* text = node.as_string()) {
         const std::optional<Rgb8> rgb = rgbOfHex(text->get());
-        if (!rgb)
-            refuse(node, fmt::format("{} is '{}', not a number, [r, g, b] or \"#rrggbb\"", field,
-                                     printable(text->get(), 40)));
+        if (!rgb) refuse(node, fmt::format("{} is '{}', not a number, [r, g, b] or \"#rrggbb\"", field, printable(text->get(), 40)));
         return {linearOfSrgb((*rgb)[0] / 255.0), linearOfSrgb((*rgb)[1] / 255.0), linearOfSrgb((*rgb)[2] / 255.0)};
     }
     if (const auto* table = node.as_table()) return inkOf(*table, field);

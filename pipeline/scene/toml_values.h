@@ -6,10 +6,10 @@
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
-#include <cstdint>
 #include <fmt/core.h>
 #include <toml++/toml.h>
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <initializer_list>
@@ -53,13 +53,9 @@ protected:
     using Known = std::initializer_list<std::string_view>;
 
     // Where, and refusals. A field is written as the way to it: "object.transform[2].scale".
-    std::string place(const toml::source_region& region) const {
-        return placeOfLine(path_, region.begin.line, region.begin.column);
-    }
+    std::string place(const toml::source_region& region) const { return placeOfLine(path_, region.begin.line, region.begin.column); }
     std::string place(const toml::node& node) const { return place(node.source()); }
-    [[noreturn]] void refuse(const toml::node& node, const std::string& text) const {
-        throw inputError(place(node), text);
-    }
+    [[noreturn]] void refuse(const toml::node& node, const std::string& text) const { throw inputError(place(node), text); }
     void refuseDeepKeys(std::string_view text) const;
     void allowKeys(const toml::table& table, std::string_view what, const Known& known) const;
     const toml::node& required(const toml::table& table, std::string_view key, const std::string& what) const;
@@ -77,8 +73,7 @@ protected:
     glm::vec3 colourOf(const toml::node& node, const std::string& field, double most) const;
     glm::vec3 inkOf(const toml::table& table, const std::string& field) const;
     template <class T>
-    T choiceOf(const toml::node& node, const std::string& field,
-               std::initializer_list<std::pair<std::string_view, T>> choices) const;
+    T choiceOf(const toml::node& node, const std::string& field, std::initializer_list<std::pair<std::string_view, T>> choices) const;
     template <class Read>
     void eachTable(const toml::table& parent, std::string_view key, const std::string& field, Read read) const;
 

@@ -55,8 +55,7 @@ std::vector<std::vector<TreeNode<Matrix>>> treeOf(std::span<const Step<Matrix>> 
     while (below.size() > 1) {
         std::vector<TreeNode<Matrix>> level;
         for (size_t i = 0; i + 1 < below.size(); i += 2)
-            level.push_back({below[i].first, below[i + 1].last,
-                             countedProduct(below[i + 1].matrix, below[i].matrix, counters), true});
+            level.push_back({below[i].first, below[i + 1].last, countedProduct(below[i + 1].matrix, below[i].matrix, counters), true});
         if (below.size() % 2 == 1) {
             level.push_back(below.back());
             level.back().product = false;

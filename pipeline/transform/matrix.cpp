@@ -41,9 +41,7 @@ dmat4 fromRows(const double (&rows)[16]) { return matrixOfRows<dmat4>(rows); }
 dmat3 translation(const dvec2& by) { return fromRows({1, 0, by.x, 0, 1, by.y, 0, 0, 1}); }
 dmat4 translation(const dvec3& by) { return fromRows({1, 0, 0, by.x, 0, 1, 0, by.y, 0, 0, 1, by.z, 0, 0, 0, 1}); }
 dmat3 scaling(const dvec2& factors) { return fromRows({factors.x, 0, 0, 0, factors.y, 0, 0, 0, 1}); }
-dmat4 scaling(const dvec3& factors) {
-    return fromRows({factors.x, 0, 0, 0, 0, factors.y, 0, 0, 0, 0, factors.z, 0, 0, 0, 0, 1});
-}
+dmat4 scaling(const dvec3& factors) { return fromRows({factors.x, 0, 0, 0, 0, factors.y, 0, 0, 0, 0, factors.z, 0, 0, 0, 0, 1}); }
 
 dmat3 rotation(double degrees) {
     const auto [s, c] = sineCosineOfDegrees(degrees);
@@ -64,8 +62,8 @@ dmat4 rotationZ(const SineCosine& angle) {
 dmat4 rotation(const dvec3& axis, double degrees) {
     const auto [s, c] = sineCosineOfDegrees(degrees);
     const double v = 1 - c, x = axis.x, y = axis.y, z = axis.z;
-    return fromRows({c + x * x * v, x * y * v - z * s, x * z * v + y * s, 0, y * x * v + z * s, c + y * y * v,
-                     y * z * v - x * s, 0, z * x * v - y * s, z * y * v + x * s, c + z * z * v, 0, 0, 0, 0, 1});
+    return fromRows({c + x * x * v, x * y * v - z * s, x * z * v + y * s, 0, y * x * v + z * s, c + y * y * v, y * z * v - x * s, 0,
+                     z * x * v - y * s, z * y * v + x * s, c + z * z * v, 0, 0, 0, 0, 1});
 }
 
 dmat3 about(const dvec2& point, const dmat3& m) { return translation(point) * m * translation(-point); }
@@ -85,19 +83,17 @@ std::optional<std::array<dmat4, 7>> lineRotation(const dvec3& from, const dvec3&
     const auto angles = lineAngles(from, to);
     if (!angles) return std::nullopt;
     const auto back = [](const SineCosine& angle) { return SineCosine{-angle.sine, angle.cosine}; };
-    return std::array<dmat4, 7>{
-        translation(-from),
-        rotationX(angles->alpha),
-        rotationY(back(angles->beta)),  // from the X axis toward +Z: against the sense of rotationY
-        rotationZ(degrees),
-        rotationY(angles->beta),
-        rotationX(back(angles->alpha)),
-        translation(from)};
+    return std::array<dmat4, 7>{translation(-from),
+                                rotationX(angles->alpha),
+                                rotationY(back(angles->beta)),  // from the X axis toward +Z: against the sense of rotationY
+                                rotationZ(degrees),
+                                rotationY(angles->beta),
+                                rotationX(back(angles->alpha)),
+                                translation(from)};
 }
 
 bool hasInverse(const dmat4& m) {
-    const double scale =
-        std::max({largestMagnitude(dvec3(m[0])), largestMagnitude(dvec3(m[1])), largestMagnitude(dvec3(m[2]))});
+    const double scale = std::max({largestMagnitude(dvec3(m[0])), largestMagnitude(dvec3(m[1])), largestMagnitude(dvec3(m[2]))});
     if (!(scale > 0)) return false;
     const dmat3 linear(dvec3(m[0]) / scale, dvec3(m[1]) / scale, dvec3(m[2]) / scale);
     return std::abs(glm::determinant(linear)) >= kMinDeterminant;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/transform/steps.h"
 
+#include <fmt/core.h>
 #include <array>
 #include <cstddef>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
@@ -17,9 +17,7 @@ using glm::dvec3;
 std::string call(const char* function, const dvec2& v) {
     return fmt::format("{}({}, {})", function, v.x + 0.0, v.y + 0.0);
 }  // -0 becomes 0
-std::string call(const char* function, const dvec3& v) {
-    return fmt::format("{}({}, {}, {})", function, v.x + 0.0, v.y + 0.0, v.z + 0.0);
-}
+std::string call(const char* function, const dvec3& v) { return fmt::format("{}({}, {}, {})", function, v.x + 0.0, v.y + 0.0, v.z + 0.0); }
 std::string call(const char* function, double value) { return fmt::format("{}({})", function, value + 0.0); }
 
 }  // namespace
@@ -37,12 +35,8 @@ Step3 rotateStep(const dvec3& unitAxis, double degrees) {
             rotation(unitAxis, degrees)};
 }
 
-std::vector<Step2> aboutSteps(const dvec2& point, const Step2& step) {
-    return {translateStep(-point), step, translateStep(point)};
-}
-std::vector<Step3> aboutSteps(const dvec3& point, const Step3& step) {
-    return {translateStep(-point), step, translateStep(point)};
-}
+std::vector<Step2> aboutSteps(const dvec2& point, const Step2& step) { return {translateStep(-point), step, translateStep(point)}; }
+std::vector<Step3> aboutSteps(const dvec3& point, const Step3& step) { return {translateStep(-point), step, translateStep(point)}; }
 
 std::vector<Step3> lineSteps(const dvec3& from, const dvec3& to, double degrees) {
     const auto m = lineRotation(from, to, degrees);

@@ -3,10 +3,10 @@
 
 #include "host/error.h"
 
-#include <cstdint>
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace plumb {
@@ -47,9 +47,7 @@ private:
 };
 
 // What a stored byte means, as an sRGB code.
-double codeOfByte(uint32_t byte, Encoding encoding) {
-    return encoding == Encoding::srgb ? double(byte) : srgbCode(byte / 255.0);
-}
+double codeOfByte(uint32_t byte, Encoding encoding) { return encoding == Encoding::srgb ? double(byte) : srgbCode(byte / 255.0); }
 
 }  // namespace
 
@@ -67,8 +65,8 @@ FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bo
             const float v = c == 3 ? frame.depth[at] : frame.linear[3 * at + c];
             const bool nothing = c == 3 && frame.object[at] == kNone;
             if (!std::isfinite(v) && !nothing)
-                throw renderError(fmt::format("{} at pixel ({}, {}) is {}: no error is measured",
-                                              c == 3 ? "depth" : "linear", at % frame.width, at / frame.width, v));
+                throw renderError(fmt::format("{} at pixel ({}, {}) is {}: no error is measured", c == 3 ? "depth" : "linear",
+                                              at % frame.width, at / frame.width, v));
         }
     FrameError error;
     Collector picture(truth.width), unrounded(truth.width), linear(truth.width);
@@ -79,11 +77,9 @@ FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bo
         const bool sameFace = frame.object[at] == truth.object[at] && frame.primitive[at] == truth.primitive[at];
         if (!showsSomething(frame, truth, at, transparent)) continue;
         ++error.pixels;
-        if (!sameFace && error.wrongPrimitive++ == 0)
-            error.wrongX = uint32_t(at % truth.width), error.wrongY = uint32_t(at / truth.width);
+        if (!sameFace && error.wrongPrimitive++ == 0) error.wrongX = uint32_t(at % truth.width), error.wrongY = uint32_t(at / truth.width);
         if (sameFace && truth.object[at] != kNone)
-            error.depthRelative =
-                std::max(error.depthRelative, std::abs(double(frame.depth[at]) - truth.depth[at]) / truth.depth[at]);
+            error.depthRelative = std::max(error.depthRelative, std::abs(double(frame.depth[at]) - truth.depth[at]) / truth.depth[at]);
         double bytes[4], codes[3], light[3];
         for (size_t c = 0; c < 3; ++c) {
             const double exact = truth.linear[3 * at + c], code = srgbCode(exact), value = frame.linear[3 * at + c];

@@ -20,17 +20,15 @@ struct ErrorFigures {
 struct FrameError {
     uint64_t pixels = 0;  // that show something in either
     // Steps of the sRGB code (1/255 of full scale), whichever curve the picture is stored with, so that pictures with either curve compare.
-    ErrorFigures
-        picture;  // the bytes as they are stored, rounding to bytes included; alpha is a channel where it is stored
-    ErrorFigures
-        unrounded;  // the float32 colour through the same curve, before it becomes a byte; 0 pixels without kPlaneLinear
-    ErrorFigures linear;          // the float32 colour in linear light, not clamped
-    double depthRelative = 0;     // largest |w - truth| / truth where the same primitive is seen (kPlaneDepth)
-    uint64_t wrongPrimitive = 0;  // pixels in which another face is seen, or one where nothing is, or none where one is
+    ErrorFigures picture;             // the bytes as they are stored, rounding to bytes included; alpha is a channel where it is stored
+    ErrorFigures unrounded;           // the float32 colour through the same curve, before it becomes a byte; 0 pixels without kPlaneLinear
+    ErrorFigures linear;              // the float32 colour in linear light, not clamped
+    double depthRelative = 0;         // largest |w - truth| / truth where the same primitive is seen (kPlaneDepth)
+    uint64_t wrongPrimitive = 0;      // pixels in which another face is seen, or one where nothing is, or none where one is
     uint32_t wrongX = 0, wrongY = 0;  // the first of them
     double wrongShare() const { return pixels == 0 ? 0 : double(wrongPrimitive) / double(pixels); }
     std::vector<float> unroundedPerPixel;  // of `unrounded`, in steps; the largest channel
-    std::vector<float> perPixel;  // of `picture`, in shares of full scale (1 = 255 steps), one a pixel
+    std::vector<float> perPixel;           // of `picture`, in shares of full scale (1 = 255 steps), one a pixel
 };
 
 // Whether a pixel counts: the picture or the truth shows something in it.

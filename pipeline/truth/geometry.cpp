@@ -30,17 +30,15 @@ struct Cross {
     Bounded a, b, c;
 };
 Cross cross(const Corner& p, const Corner& q) {
-    return {productDifference(p.y, q.w, p.w, q.y), productDifference(p.w, q.x, p.x, q.w),
-            productDifference(p.x, q.y, p.y, q.x)};
+    return {productDifference(p.y, q.w, p.w, q.y), productDifference(p.w, q.x, p.x, q.w), productDifference(p.x, q.y, p.y, q.x)};
 }
 
 // p . n: three products (u each) and two additions.
 Bounded dotProduct(const Corner& p, const Cross& n) {
     const double sum = reach(p.x) * reach(n.a) + reach(p.y) * reach(n.b) + reach(p.w) * reach(n.c);
-    const double propagated = reach(p.x) * n.a.error + p.x.error * reach(n.a) + reach(p.y) * n.b.error +
-                              p.y.error * reach(n.b) + reach(p.w) * n.c.error + p.w.error * reach(n.c);
-    return {p.x.value * n.a.value + p.y.value * n.b.value + p.w.value * n.c.value,
-            (propagated + 3 * kUnit * sum) * kSecondOrder};
+    const double propagated = reach(p.x) * n.a.error + p.x.error * reach(n.a) + reach(p.y) * n.b.error + p.y.error * reach(n.b) +
+                              reach(p.w) * n.c.error + p.w.error * reach(n.c);
+    return {p.x.value * n.a.value + p.y.value * n.b.value + p.w.value * n.c.value, (propagated + 3 * kUnit * sum) * kSecondOrder};
 }
 
 // Columns or rows whose sample may lie in [low, high] (centred coordinates).
@@ -62,9 +60,8 @@ Pinhole::Pinhole(const Camera& camera, uint32_t pixelsX, uint32_t pixelsY, uint3
       down(-camera.up),
       forward(camera.forward) {
     constexpr long double kPi = 3.14159265358979323846264338327950288L;
-    focal = camera.focalPixels > 0
-                ? camera.focalPixels * side
-                : double(height / 2 / std::tan(static_cast<long double>(camera.fovYDegrees) * kPi / 360));
+    focal = camera.focalPixels > 0 ? camera.focalPixels * side
+                                   : double(height / 2 / std::tan(static_cast<long double>(camera.fovYDegrees) * kPi / 360));
     near = camera.near > 0 ? camera.near : std::ldexp(1.0, std::ilogb(camera.focusDistance) - 10);
 }
 
@@ -105,8 +102,7 @@ std::array<Exact, 3> Geometry::exactCorner(uint32_t object, uint32_t vertex) con
     std::array<Exact, 3> fromEye;
     for (int j = 0; j < 3; ++j) {
         fromEye[size_t(j)] = Exact(o.worldFromObject[3][j]) - pinhole_.eye[j];
-        for (int k = 0; k < 3; ++k)
-            fromEye[size_t(j)] = fromEye[size_t(j)] + Exact(o.worldFromObject[k][j]) * p[k];
+        for (int k = 0; k < 3; ++k) fromEye[size_t(j)] = fromEye[size_t(j)] + Exact(o.worldFromObject[k][j]) * p[k];
     }
     const auto along = [&](const glm::dvec3& axis, double scale) {
         return (fromEye[0] * axis.x + fromEye[1] * axis.y + fromEye[2] * axis.z) * scale;
@@ -156,8 +152,7 @@ void Geometry::add(uint32_t object, uint32_t index, bool mirrored) {
         const auto exact = [&] {
             std::array<std::array<Exact, 3>, 3> e;
             for (size_t i = 0; i < 3; ++i) e[i] = exactCorner(object, t.vertex[i]);
-            return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
-                    e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+            return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
                     e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]))
                 .sign();
         };
@@ -185,8 +180,7 @@ void Geometry::add(uint32_t object, uint32_t index, bool mirrored) {
     t.sc = total[2] / depth;
     // S / D: the error of S over the least |D|, that of D times the largest quotient, and 4 u for division, products and additions.
     const double largest = halfX * std::abs(t.sa) + halfY * std::abs(t.sb) + std::abs(t.sc);
-    t.inverseError =
-        least > 0 ? (totalError / least + largest * (volume.error / least + 4 * kUnit)) * kSecondOrder : INFINITY;
+    t.inverseError = least > 0 ? (totalError / least + largest * (volume.error / least + 4 * kUnit)) * kSecondOrder : INFINITY;
     if (!std::isfinite(t.inverseError)) t.inverseError = INFINITY;
 
     // Where it may be seen: its corners, or, when it crosses the near plane, what is left of it there, by a sample more than the corners' errors.
@@ -269,8 +263,7 @@ bool Judge::nearer(uint32_t index, uint32_t best, double x, double y) {
     if (std::abs(difference) > slack) return difference > 0;
     ++redone_;
     const ExactTriangle p = exactly(index), q = exactly(best);  // copies: the table may be emptied between the two
-    const Exact pSum = p.edge(0, x, y) + p.edge(1, x, y) + p.edge(2, x, y),
-                qSum = q.edge(0, x, y) + q.edge(1, x, y) + q.edge(2, x, y);
+    const Exact pSum = p.edge(0, x, y) + p.edge(1, x, y) + p.edge(2, x, y), qSum = q.edge(0, x, y) + q.edge(1, x, y) + q.edge(2, x, y);
     const int sign = (pSum * q.volume - qSum * p.volume).sign();
     return sign > 0 || (sign == 0 && index < best);
 }

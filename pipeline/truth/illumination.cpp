@@ -30,9 +30,7 @@ Illumination::Illumination(const Scene& scene, const Geometry& geometry) : scene
         lamp.place = light.directional ? unit(light.direction) : light.position - geometry.pinhole().eye;
         lamp.intensity = glm::dvec3(light.intensity);
         if (!light.directional)
-            lamp.power = light.attenuation == Attenuation::inverse         ? 1
-                         : light.attenuation == Attenuation::inverseSquare ? 2
-                                                                           : 0;
+            lamp.power = light.attenuation == Attenuation::inverse ? 1 : light.attenuation == Attenuation::inverseSquare ? 2 : 0;
         lamps_.push_back(lamp);
     }
     for (const Object& object : scene.objects) {
@@ -74,8 +72,7 @@ Illumination::Seen Illumination::at(uint32_t index, double x, double y) const {
     return {colourOf(material, position, unit(normalFromObject_[t.object] * normal), towardViewer), w};
 }
 
-glm::dvec3 Illumination::colourOf(uint32_t material, const glm::dvec3& position, const glm::dvec3& n,
-                                  const glm::dvec3& v) const {
+glm::dvec3 Illumination::colourOf(uint32_t material, const glm::dvec3& position, const glm::dvec3& n, const glm::dvec3& v) const {
     const Material& m = scene_.materials[material];
     glm::dvec3 colour = glm::dvec3(m.ambient) * glm::dvec3(scene_.ambient) + glm::dvec3(m.emission);
     for (const Lamp& lamp : lamps_) {

@@ -48,8 +48,7 @@ Facet<Real> RayWorld::facetIn(uint32_t i) const {
         const glm::vec3& n = mesh.normals[t.vertex[k]];
         Real place3[3];
         for (int j = 0; j < 3; ++j) {
-            const Real terms[4] = {Real(m[0][j]) * p.x, Real(m[1][j]) * p.y, Real(m[2][j]) * p.z,
-                                   Real(m[3][j]) - Real(eye[j])};
+            const Real terms[4] = {Real(m[0][j]) * p.x, Real(m[1][j]) * p.y, Real(m[2][j]) * p.z, Real(m[3][j]) - Real(eye[j])};
             place3[j] = (terms[0] + terms[1]) + (terms[2] + terms[3]);
             double sum = 0;
             for (const Real& term : terms) sum += std::abs(double(term));
@@ -67,8 +66,7 @@ Facet<Real> RayWorld::facetIn(uint32_t i) const {
     f.normal = twice > 0 ? area * (1 / lengthOf(area)) : Vec3<Real>(0, 0, 1);
     if (mirrored) f.normal = -f.normal;
     // A corner moved by e turns the normal by e times an edge over twice the area; the rest is the product's own rounding.
-    f.normalError =
-        twice > 0 ? (4 * f.cornerError * edge + 8 * kUnitOf<Real> * edge * edge) / twice + 4 * kUnitOf<Real> : 1;
+    f.normalError = twice > 0 ? (4 * f.cornerError * edge + 8 * kUnitOf<Real> * edge * edge) / twice + 4 * kUnitOf<Real> : 1;
     return f;
 }
 
@@ -84,10 +82,8 @@ RayWorld::RayWorld(const Scene& scene) : scene_(scene) {
     facets_.reserve(places_.size());
     for (uint32_t i = 0; i < places_.size(); ++i) {
         facets_.push_back(facetIn<double>(i));
-        for (const Vec3<double>& c : facets_.back().corner)
-            reach_ = std::max({reach_, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
-        middles_.push_back(rounded(facets_.back().corner[0] + facets_.back().corner[1] + facets_.back().corner[2]) /
-                           3.0);
+        for (const Vec3<double>& c : facets_.back().corner) reach_ = std::max({reach_, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+        middles_.push_back(rounded(facets_.back().corner[0] + facets_.back().corner[1] + facets_.back().corner[2]) / 3.0);
     }
     order_.resize(places_.size());
     std::iota(order_.begin(), order_.end(), 0u);
@@ -100,19 +96,14 @@ RayWorld::RayWorld(const Scene& scene) : scene_(scene) {
         // 2^-100: a few hundred roundings of binary128.
         if (light.directional) {
             for (size_t i = 0; i < scene.planes.size(); ++i)
-                planes[i] =
-                    std::abs(double(along(Vec3<Quad>(scene.planes[i].normal), unitOf(Vec3<Quad>(light.direction))))) <=
-                    0x1p-100;
+                planes[i] = std::abs(double(along(Vec3<Quad>(scene.planes[i].normal), unitOf(Vec3<Quad>(light.direction))))) <= 0x1p-100;
         } else {
             const Vec3<Quad> at = Vec3<Quad>(light.position) - Vec3<Quad>(eye);
             const double size = 1 + glm::length(light.position) + glm::length(eye);
-            const auto on = [&](const Quad& distance, double reach) {
-                return std::abs(double(distance)) <= 0x1p-100 * (size + reach);
-            };
+            const auto on = [&](const Quad& distance, double reach) { return std::abs(double(distance)) <= 0x1p-100 * (size + reach); };
             for (size_t i = 0; i < scene.planes.size(); ++i) {
                 const Vec3<Quad> point = Vec3<Quad>(scene.planes[i].point) - Vec3<Quad>(eye);
-                planes[i] =
-                    on(along(Vec3<Quad>(scene.planes[i].normal), at - point), glm::length(scene.planes[i].point));
+                planes[i] = on(along(Vec3<Quad>(scene.planes[i].normal), at - point), glm::length(scene.planes[i].point));
             }
             for (uint32_t i = 0; i < places_.size(); ++i) {
                 const Facet<double>& f = facets_[i];
@@ -174,14 +165,11 @@ double RayWorld::brightness(const glm::dvec3& sky) const {
             double nearest = std::max(size, glm::length(l.position - eye));
             for (const SphereShape& s : scene_.spheres)
                 nearest = std::min(nearest, std::abs(glm::length(s.centre - l.position) - s.radius));
-            for (const PlaneShape& p : scene_.planes)
-                nearest = std::min(nearest, std::abs(glm::dot(p.normal, l.position - p.point)));
+            for (const PlaneShape& p : scene_.planes) nearest = std::min(nearest, std::abs(glm::dot(p.normal, l.position - p.point)));
             for (const Facet<double>& f : facets_) {
                 const glm::dvec3 at = l.position - eye,
-                                 low = glm::min(glm::min(rounded(f.corner[0]), rounded(f.corner[1])),
-                                                rounded(f.corner[2])),
-                                 high = glm::max(glm::max(rounded(f.corner[0]), rounded(f.corner[1])),
-                                                 rounded(f.corner[2]));
+                                 low = glm::min(glm::min(rounded(f.corner[0]), rounded(f.corner[1])), rounded(f.corner[2])),
+                                 high = glm::max(glm::max(rounded(f.corner[0]), rounded(f.corner[1])), rounded(f.corner[2]));
                 const double box = glm::length(glm::max(glm::dvec3(0), glm::max(low - at, at - high)));
                 nearest = std::min(nearest, std::max(box, std::abs(along(f.normal, Vec3<double>(at) - f.corner[0]))));
             }

@@ -50,17 +50,14 @@ public:
 
     // Calls visit(facet) for every facet whose box, widened by `pad`, the ray may meet before longest().
     template <class Longest, class Visit>
-    void eachNear(const glm::dvec3& o, const glm::dvec3& d, double pad, const Longest& longest,
-                  const Visit& visit) const;
+    void eachNear(const glm::dvec3& o, const glm::dvec3& d, double pad, const Longest& longest, const Visit& visit) const;
     double reach() const { return reach_; }  // largest |coordinate| of a corner
 
 private:
     struct Node {
         glm::dvec3 low, high;
-        uint32_t
-            first = 0,
-            count =
-                0;  // facets of a leaf in order_; count 0: an inner node, whose children are the next node and `first`
+        uint32_t first = 0,
+                 count = 0;  // facets of a leaf in order_; count 0: an inner node, whose children are the next node and `first`
     };
     uint32_t split(uint32_t first, uint32_t last);
 
@@ -76,8 +73,7 @@ private:
 };
 
 template <class Longest, class Visit>
-void RayWorld::eachNear(const glm::dvec3& o, const glm::dvec3& d, double pad, const Longest& longest,
-                        const Visit& visit) const {
+void RayWorld::eachNear(const glm::dvec3& o, const glm::dvec3& d, double pad, const Longest& longest, const Visit& visit) const {
     if (nodes_.empty()) return;
     glm::dvec3 inverse;
     for (int i = 0; i < 3; ++i) inverse[i] = 1 / (std::abs(d[i]) > 1e-200 ? d[i] : d[i] < 0 ? -1e-200 : 1e-200);

@@ -37,8 +37,7 @@ public:
     static constexpr double kUnit = kUnitOf<Real>;
     static constexpr bool kLast = std::is_same_v<Real, Quad>;  // nothing more exact follows: what is open is counted
 
-    Tracer(const RayWorld& world, const glm::dvec3& sky, const RayLimits& limits, double brightest, double farthest,
-           double leastWeight)
+    Tracer(const RayWorld& world, const glm::dvec3& sky, const RayLimits& limits, double brightest, double farthest, double leastWeight)
         : world_(world),
           scene_(world.scene()),
           sky_(sky),
@@ -76,7 +75,7 @@ private:
         Kind kind = Kind::none;
         uint32_t index = 0;
         Real t = 0;
-        double error = 0;  // of t
+        double error = 0;     // of t
         bool counts = false;  // a hit, by the computed value
         bool sure = true;     // the error bound cannot change that
         bool leaves = false;  // the ray runs with the outward normal
@@ -118,8 +117,7 @@ private:
             return h;
         }
         const V l = f + r.direction * k;
-        const double missError = placeError + 2 * far * (r.directionError + 4 * u) + 4 * u * s.radius,
-                     edge = s.radius + missError;
+        const double missError = placeError + 2 * far * (r.directionError + 4 * u) + 4 * u * s.radius, edge = s.radius + missError;
         const Real missSquared = along(l, l);
         if (double(missSquared) > edge * edge * (1 + 16 * u)) return h;  // missed, and the origin is outside
         const Real gap = lengthOf(f) - Real(s.radius), miss = rootOf(missSquared), slack = Real(s.radius) - miss;
@@ -149,8 +147,7 @@ private:
         const Real slope = along(n, r.direction);
         const double slopeError = r.directionError + 8 * u;
         const Real height = along(n, point - r.origin);
-        const double size = sizeOf(point) + sizeOf(r.origin),
-                     heightError = r.originError + 8 * u * (size + glm::length(p.point));
+        const double size = sizeOf(point) + sizeOf(r.origin), heightError = r.originError + 8 * u * (size + glm::length(p.point));
         if (std::abs(double(slope)) <= slopeError) {
             // Parallel as far as is known: not met, or no nearer than this.
             const double least = std::max(0.0, std::abs(double(height)) - heightError) / (2 * slopeError);
@@ -175,8 +172,7 @@ private:
         h.counts = h.t > 0;
         h.sure = double(h.t) > h.error;
         const V q = r.origin + way - point;
-        const double qError =
-            r.originError + std::abs(double(h.t)) * r.directionError + h.error + 8 * u * (size + std::abs(double(h.t)));
+        const double qError = r.originError + std::abs(double(h.t)) * r.directionError + h.error + 8 * u * (size + std::abs(double(h.t)));
         const Real a = along(q, V(p.u)), b = along(q, V(p.v));
         const auto bounded = [&](const Real& x, double least, double most) {
             if (double(x) < least - qError || double(x) > most + qError) return false;
@@ -198,13 +194,10 @@ private:
     bool otherSquare(const PlaneShape& p, const Real& u, const Real& v, double error, bool& sure) const {
         const bool matters = p.material != p.otherMaterial;
         const auto odd = [&](const Real& x, bool mirrored) {
-            const Real size = x < 0 ? -x : x, squares = size / Real(p.square), pairs = floorOf(squares / 2),
-                       rest = squares - 2 * pairs;
+            const Real size = x < 0 ? -x : x, squares = size / Real(p.square), pairs = floorOf(squares / 2), rest = squares - 2 * pairs;
             const double place = double(rest), near = error / p.square + 4 * kUnit * double(squares);
             const bool atZero = place <= near && pairs == 0;
-            if (matters &&
-                ((place <= near && !(atZero && mirrored)) || std::abs(place - 1) <= near || 2 - place <= near))
-                sure = false;
+            if (matters && ((place <= near && !(atZero && mirrored)) || std::abs(place - 1) <= near || 2 - place <= near)) sure = false;
             return rest > 1;
         };
         bool other = u < 0;
@@ -228,11 +221,10 @@ private:
         double size = 0;   // no corner is farther from the origin
     };
     template <class Number>
-    static Volumes<Number> volumesOf(const Facet<Number>& f, const Vec3<Number>& o, const Vec3<Number>& d,
-                                     double originError, double directionError) {
-        const Vec3<Number> a = f.corner[0] - o, b = f.corner[1] - o, c = f.corner[2] - o,
-                           ab = f.corner[1] - f.corner[0], bc = f.corner[2] - f.corner[1],
-                           ca = f.corner[0] - f.corner[2];
+    static Volumes<Number> volumesOf(const Facet<Number>& f, const Vec3<Number>& o, const Vec3<Number>& d, double originError,
+                                     double directionError) {
+        const Vec3<Number> a = f.corner[0] - o, b = f.corner[1] - o, c = f.corner[2] - o, ab = f.corner[1] - f.corner[0],
+                           bc = f.corner[2] - f.corner[1], ca = f.corner[0] - f.corner[2];
         constexpr double kOwnUnit = kUnitOf<Number>;
         Volumes<Number> v;
         v.first = a;
@@ -261,9 +253,7 @@ private:
         if constexpr (!std::is_same_v<Real, double>) {
             // What binary64 finds clearly missed, with the ray rounded to it, need not be made again.
             const Vec3<double> o(rounded(r.origin)), d(rounded(r.direction));
-            if (clearlyMissed(
-                    volumesOf(world_.facet(i), o, d, r.originError + 0x1p-52 * sizeOf(o), r.directionError + 0x1p-51)))
-                return h;
+            if (clearlyMissed(volumesOf(world_.facet(i), o, d, r.originError + 0x1p-52 * sizeOf(o), r.directionError + 0x1p-51))) return h;
         }
         const auto& f = facetOf(i);
         const V& d = r.direction;
@@ -277,8 +267,7 @@ private:
         const double u = kUnit;
         const Real slope = along(f.normal, d), height = along(f.normal, v.first);
         const double slopeError = r.directionError + f.normalError + 8 * u;
-        const double heightError =
-            r.originError + f.cornerError + 4 * u * sizeOf(r.origin) + v.size * (f.normalError + 8 * u);
+        const double heightError = r.originError + f.cornerError + 4 * u * sizeOf(r.origin) + v.size * (f.normalError + 8 * u);
         if (std::abs(double(slope)) <= slopeError) {  // seen from its edge
             h.sure = false;
             h.error = kInfinity;
@@ -331,13 +320,12 @@ private:
                 });
         }
         if (best.kind != Kind::none && !best.sure) rival = -kInfinity;
-        if (rival <= (best.kind == Kind::none ? kInfinity : best.high()) && rival < kInfinity)
-            doubt(r.weight * brightest_);
+        if (rival <= (best.kind == Kind::none ? kInfinity : best.high()) && rival < kInfinity) doubt(r.weight * brightest_);
         return best;
     }
     double padOf(const Ray& r, const glm::dvec3& o) const {
-        return r.originError + (std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}) + world_.reach()) *
-                                   (2 * r.directionError + 0x1p-46);
+        return r.originError +
+               (std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}) + world_.reach()) * (2 * r.directionError + 0x1p-46);
     }
 
     // Where, and which way the surface faces there.
@@ -358,8 +346,7 @@ private:
             const SphereShape& ball = scene_.spheres[h.index];
             const V out = s.place - centreOf(ball.centre);
             s.geometric = unitOf(out);
-            s.geometricError =
-                (s.placeError + 4 * u * glm::length(ball.centre - scene_.camera->eye)) / ball.radius + 8 * u;
+            s.geometricError = (s.placeError + 4 * u * glm::length(ball.centre - scene_.camera->eye)) / ball.radius + 8 * u;
             s.material = ball.material;
         } else if (h.kind == Kind::plane) {
             const PlaneShape& p = scene_.planes[h.index];
@@ -387,9 +374,8 @@ private:
         const double length = double(lengthOf(n));
         s.normal = V(glm::dvec3(0));
         if (!(length > 0)) return;
-        const double spread =
-            std::max({double(lengthOf(f.smooth[1] - f.smooth[0])), double(lengthOf(f.smooth[2] - f.smooth[0])),
-                      double(lengthOf(f.smooth[2] - f.smooth[1]))});
+        const double spread = std::max({double(lengthOf(f.smooth[1] - f.smooth[0])), double(lengthOf(f.smooth[2] - f.smooth[0])),
+                                        double(lengthOf(f.smooth[2] - f.smooth[1]))});
         n = unitOf(n);
         if (s.within) n = -n;
         const double error = 2 * h.shareError * spread / length + 16 * kUnit / length;
@@ -416,7 +402,8 @@ private:
         const V half = unitOf(image - g * below) - d;
         const double length = double(lengthOf(half));
         // What lies along the polygon is at least kLeastLean long.
-        const double halfError = (3 * r.directionError + 4 * s.normalError + 2 * s.geometricError + 16 * kUnit) / kLeastLean + r.directionError;
+        const double halfError =
+            (3 * r.directionError + 4 * s.normalError + 2 * s.geometricError + 16 * kUnit) / kLeastLean + r.directionError;
         if (std::abs(length - kShortestHalf) <= halfError) doubt(r.weight * brightest_);
         if (!(length > kShortestHalf)) return;
         s.bends = half * (1 / Real(length));
@@ -469,11 +456,9 @@ private:
         Hit h = hitPlane(i, r);
         const PlaneShape& p = scene_.planes[i];
         const V q = r.origin + r.direction * h.t - centreOf(p.point);
-        const double error =
-            r.originError + std::abs(double(h.t)) * r.directionError + h.error + 0x1p-40 * (1 + double(lengthOf(q)));
+        const double error = r.originError + std::abs(double(h.t)) * r.directionError + h.error + 0x1p-40 * (1 + double(lengthOf(q)));
         const double a = double(along(q, V(p.u))), b = double(along(q, V(p.v)));
-        h.sure = double(h.t) > h.error && a > p.uMin + error && a < p.uMax - error && b > p.vMin + error &&
-                 b < p.vMax - error;
+        h.sure = double(h.t) > h.error && a > p.uMin + error && a < p.uMax - error && b > p.vMin + error && b < p.vMax - error;
         return h;
     }
 
@@ -491,22 +476,19 @@ private:
                 distance = double(length);
                 if (!(distance > 0)) continue;
                 l = l * (1 / length);
-                error =
-                    2 * (s.placeError + 8 * kUnit * (distance + glm::length(light.position))) / distance + 8 * kUnit;
+                error = 2 * (s.placeError + 8 * kUnit * (distance + glm::length(light.position))) / distance + 8 * kUnit;
                 if (light.attenuation == Attenuation::inverse) fade = 1 / distance;
                 if (light.attenuation == Attenuation::inverseSquare) fade = 1 / (distance * distance);
             } else {
                 l = unitOf(V(light.direction));
             }
             const Real cosine = along(s.normal, l), above = along(s.geometric, l);
-            const double cosineOpen = s.normalError + error + 8 * kUnit,
-                         aboveOpen = s.geometricError + error + 8 * kUnit;
+            const double cosineOpen = s.normalError + error + 8 * kUnit, aboveOpen = s.geometricError + error + 8 * kUnit;
             if (double(cosine) < -cosineOpen || double(above) < -aboveOpen) continue;
             const glm::dvec3 toward = rounded(l);
             const double nl = std::max(0.0, double(cosine)), reflected = glm::dot(2 * nl * n - toward, v);
             const double shine = m.shininess == 0 ? 1 : reflected > 0 ? std::pow(reflected, double(m.shininess)) : 0;
-            const glm::dvec3 added =
-                fade * glm::dvec3(light.intensity) * (glm::dvec3(m.diffuse) * nl + glm::dvec3(m.specular) * shine);
+            const glm::dvec3 added = fade * glm::dvec3(light.intensity) * (glm::dvec3(m.diffuse) * nl + glm::dvec3(m.specular) * shine);
             const double stake = weight * largest(added);
             if (double(cosine) <= cosineOpen || double(above) <= aboveOpen) doubt(stake);
             if (!(cosine > 0 && above > 0)) continue;
@@ -521,10 +503,8 @@ private:
                 feeler.kind = h.kind;
                 feeler.index = h.index;
                 feeler.inside = s.within;
-                share =
-                    passed(feeler, distance,
-                           light.directional ? 0 : s.placeError + 8 * kUnit * (distance + glm::length(light.position)),
-                           i, stake);
+                share = passed(feeler, distance,
+                               light.directional ? 0 : s.placeError + 8 * kUnit * (distance + glm::length(light.position)), i, stake);
             }
             colour += share * added;
         }
@@ -543,8 +523,7 @@ private:
         if (stops()) return;
         if (r.depth == 1) note(h);
         const RayShares shares = world_.shares(s.material);
-        if (shares.local > 0)
-            seen_.colour += r.weight * double(shares.local) * localOf(r, h, s, r.weight * double(shares.local));
+        if (shares.local > 0) seen_.colour += r.weight * double(shares.local) * localOf(r, h, s, r.weight * double(shares.local));
         if (stops()) return;
         sendOn(r, h, s, shares);
     }
@@ -570,8 +549,8 @@ private:
         const Real square = index == 1 ? cosine * cosine : 1 - ratio * ratio * (1 - cosine * cosine);
         bool total = false;
         if (shares.transmit > 0 && index != 1) {
-            const double open = bend * bend * (2 * std::abs(double(cosine)) * cosineError + cosineError * cosineError) +
-                                8 * u * (1 + bend * bend);
+            const double open =
+                bend * bend * (2 * std::abs(double(cosine)) * cosineError + cosineError * cosineError) + 8 * u * (1 + bend * bend);
             if (std::abs(double(square)) <= open) doubt(r.weight * double(shares.transmit) * brightest_);
             total = square <= 0;
         }
@@ -595,11 +574,9 @@ private:
             child.directionError = r.directionError;
         } else {
             const Real root = rootOf(square);
-            const double steep =
-                double(root) > 0 ? bend * bend * std::abs(double(cosine)) * cosineError / double(root) : 1;
+            const double steep = double(root) > 0 ? bend * bend * std::abs(double(cosine)) * cosineError / double(root) : 1;
             child.direction = unitOf(r.direction * ratio + s.bends * (ratio * cosine - root));
-            child.directionError =
-                bend * r.directionError + (bend + 1) * s.bendsError + bend * cosineError + steep + 16 * u * (1 + bend);
+            child.directionError = bend * r.directionError + (bend + 1) * s.bendsError + bend * cosineError + steep + 16 * u * (1 + bend);
             const Real against = along(child.direction, s.geometric);
             if (h.kind == Kind::facet && against > 0) {
                 const V kept = child.direction - s.geometric * against;

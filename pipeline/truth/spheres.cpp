@@ -18,8 +18,7 @@ constexpr double kSecondOrder = 1.0 + 0x1p-20;
 Exact SphereTruth::exactRest(uint32_t sphere, double x, double y) const {
     const SphereShape& s = scene_.spheres[sphere];
     const glm::dvec3& eye = scene_.camera->eye;
-    const Exact r = s.radius, dx = Exact(x) + Exact(eye.x) - Exact(s.centre.x),
-                dy = Exact(-y) + Exact(eye.y) - Exact(s.centre.y);
+    const Exact r = s.radius, dx = Exact(x) + Exact(eye.x) - Exact(s.centre.x), dy = Exact(-y) + Exact(eye.y) - Exact(s.centre.y);
     return r * r - dx * dx - dy * dy;
 }
 
@@ -28,15 +27,13 @@ bool SphereTruth::covers(Front& front, double x, double y) {
     const glm::dvec3& eye = scene_.camera->eye;
     // x + eye and the difference: u of the sum and of the result, in all at most 2 u of `size`; squared, 4 u of size * |d| and u of the square.
     const double dx = x + eye.x - s.centre.x, dy = -y + eye.y - s.centre.y;
-    const double sizeX = std::abs(x) + std::abs(eye.x) + std::abs(s.centre.x),
-                 sizeY = std::abs(y) + std::abs(eye.y) + std::abs(s.centre.y);
+    const double sizeX = std::abs(x) + std::abs(eye.x) + std::abs(s.centre.x), sizeY = std::abs(y) + std::abs(eye.y) + std::abs(s.centre.y);
     const double squares = s.radius * s.radius + dx * dx + dy * dy;
     front.rest = s.radius * s.radius - dx * dx - dy * dy;
     const double moved = 2 * kUnit * sizeX, movedY = 2 * kUnit * sizeY;
     // A square and two differences: 3 u of the squares.
     front.restError =
-        (2 * std::abs(dx) * moved + moved * moved + 2 * std::abs(dy) * movedY + movedY * movedY + 3 * kUnit * squares) *
-        kSecondOrder;
+        (2 * std::abs(dx) * moved + moved * moved + 2 * std::abs(dy) * movedY + movedY * movedY + 3 * kUnit * squares) * kSecondOrder;
     if (std::abs(front.rest) > front.restError) {
         if (front.rest < 0) return false;
     } else {
@@ -49,11 +46,9 @@ bool SphereTruth::covers(Front& front, double x, double y) {
     const double root = std::sqrt(front.rest), away = s.centre.z - eye.z;
     front.depth = away - root;
     // |sqrt(a) - sqrt(b)| <= |a - b| / sqrt(a), and never more than sqrt(|a - b|); a rounding each of the root and of the two differences.
-    const double rootError =
-        root > 0 ? std::min(std::sqrt(front.restError), front.restError / root) : std::sqrt(front.restError);
+    const double rootError = root > 0 ? std::min(std::sqrt(front.restError), front.restError / root) : std::sqrt(front.restError);
     front.depthError =
-        (rootError + kUnit * (root + std::abs(s.centre.z) + std::abs(eye.z) + std::abs(away) + std::abs(front.depth))) *
-        kSecondOrder;
+        (rootError + kUnit * (root + std::abs(s.centre.z) + std::abs(eye.z) + std::abs(away) + std::abs(front.depth))) * kSecondOrder;
     return true;
 }
 
@@ -79,11 +74,9 @@ SphereTruth::Seen SphereTruth::look(double x, double y) {
     }
     if (best.sphere == kNone) return {};
     const SphereShape& s = scene_.spheres[best.sphere];
-    const glm::dvec3 toCentre = s.centre - scene_.camera->eye,
-                     outward(x - toCentre.x, -y - toCentre.y, -std::sqrt(best.rest));
+    const glm::dvec3 toCentre = s.centre - scene_.camera->eye, outward(x - toCentre.x, -y - toCentre.y, -std::sqrt(best.rest));
     const double length = std::hypot(outward.x, outward.y, outward.z);
-    return {best.sphere, best.depth,
-            illumination_.colourOf(s.material, toCentre + outward, outward / length, {0, 0, -1})};
+    return {best.sphere, best.depth, illumination_.colourOf(s.material, toCentre + outward, outward / length, {0, 0, -1})};
 }
 
 }  // namespace plumb::truth

@@ -33,19 +33,12 @@ constexpr uint32_t kBandRows = 8;  // pixels
 // One band of pixel rows: what each sample sees, then its colour.
 class Band {
 public:
-    Band(const Scene& scene, const RenderRequest& request, const Geometry& geometry, const Illumination& illumination,
-         uint32_t side, Truth& out)
-        : scene_(scene),
-          request_(request),
-          geometry_(geometry),
-          illumination_(illumination),
-          judge_(geometry),
-          side_(side),
-          out_(out) {}
+    Band(const Scene& scene, const RenderRequest& request, const Geometry& geometry, const Illumination& illumination, uint32_t side,
+         Truth& out)
+        : scene_(scene), request_(request), geometry_(geometry), illumination_(illumination), judge_(geometry), side_(side), out_(out) {}
 
     void draw(uint32_t firstRow, uint32_t rows) {
-        const int width = int(request_.width * side_), first = int(firstRow * side_),
-                  last = int((firstRow + rows) * side_) - 1;
+        const int width = int(request_.width * side_), first = int(firstRow * side_), last = int((firstRow + rows) * side_) - 1;
         seen_.assign(size_t(width) * size_t(last - first + 1), kNone);
         const std::vector<Triangle>& triangles = geometry_.triangles();
         for (uint32_t t = 0; t < triangles.size(); ++t)
@@ -119,8 +112,7 @@ void drawBands(const RenderRequest& request, Truth& out, const Make& make) {
     std::exception_ptr failure;
     std::mutex adding;
     const auto report = [&](uint32_t done) {
-        if (request.onProgress && !request.onProgress(double(done) / bands))
-            throw Error(Exit::interrupted, "interrupted");
+        if (request.onProgress && !request.onProgress(double(done) / bands)) throw Error(Exit::interrupted, "interrupted");
     };
     const auto work = [&](bool reports) {
         try {
@@ -140,8 +132,7 @@ void drawBands(const RenderRequest& request, Truth& out, const Make& make) {
         }
     };
     {
-        const uint32_t threads =
-            std::min(bands, request.threads ? request.threads : std::max(1u, std::thread::hardware_concurrency()));
+        const uint32_t threads = std::min(bands, request.threads ? request.threads : std::max(1u, std::thread::hardware_concurrency()));
         std::vector<std::jthread> pool;
         for (uint32_t i = 1; i < threads; ++i) pool.emplace_back(work, false);
         work(true);
@@ -312,8 +303,7 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
     PLUMB_ASSERT(scene.camera.has_value());
     if (request.shading == Shading::wire)
         throw usageError("a wire frame has no truth: its lines are a drawing, not the picture of a surface");
-    if (request.samples != 1 && request.samples != 4 && request.samples != 16)
-        throw usageError("--samples takes 1, 4 or 16");
+    if (request.samples != 1 && request.samples != 4 && request.samples != 16) throw usageError("--samples takes 1, 4 or 16");
     const auto begin = std::chrono::steady_clock::now();
     Truth out;
     out.width = request.width;
@@ -331,7 +321,8 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
         const Placement placement = placementOf(request);
         out.samples = uint32_t(placement.at.size());
         const truth::RayWorld world(scene);
-        drawBands(request, out, [&] { return SampleBand(RayLooker(world, pinhole, request, placement), pinhole, request, placement, out); });
+        drawBands(request, out,
+                  [&] { return SampleBand(RayLooker(world, pinhole, request, placement), pinhole, request, placement, out); });
     } else if (request.fill == Fill::notes && !scene.spheres.empty()) {
         const Pinhole pinhole(*scene.camera, out.width, out.height, 1);
         const Placement placement = aroundWholeCoordinates(request.samples);
@@ -340,7 +331,8 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
         drawBands(request, out, [&] { return SampleBand(SphereLooker(scene, illumination, request), pinhole, request, placement, out); });
     } else {
         const uint32_t side = sideOf(request.samples), drawnSide = sideOf(drawnSamples == 0 ? request.samples : drawnSamples);
-        const Geometry geometry(scene, Pinhole(*scene.camera, out.width, out.height, side, request.fill == Fill::notes ? 0.5 * side / drawnSide : 0));
+        const Geometry geometry(
+            scene, Pinhole(*scene.camera, out.width, out.height, side, request.fill == Fill::notes ? 0.5 * side / drawnSide : 0));
         const Illumination illumination(scene, geometry);
         out.redone = geometry.redone();
         drawBands(request, out, [&] { return Band(scene, request, geometry, illumination, side, out); });

@@ -20,9 +20,9 @@ struct Truth {
     // Of the sample that stands for the pixel.
     std::vector<double> depth;                // planar, scene units; +infinity where nothing is seen
     std::vector<uint32_t> object, primitive;  // kNone where nothing is seen
-    uint64_t redone = 0;                      // decisions that binary64 left open, decided without rounding; of rays: samples followed again in more bits
-    uint64_t undecided = 0;                   // of rays: decisions that binary128 leaves open, such as exact ties
-    double leftOut = 0;                       // of rays: the largest share of a pixel's weight whose rays were not followed
+    uint64_t redone = 0;     // decisions that binary64 left open, decided without rounding; of rays: samples followed again in more bits
+    uint64_t undecided = 0;  // of rays: decisions that binary128 leaves open, such as exact ties
+    double leftOut = 0;      // of rays: the largest share of a pixel's weight whose rays were not followed
     double timeMs = 0;
 };
 

@@ -10,10 +10,10 @@ SHARED_BEGIN
 
 struct BinPush {
     uint statusSlot;
-    uint itemCount;                     // drawn triangles, places in a list of them, or strips
-    uint tilesX, tilesY;                // of the band
-    uint room;                          // entries of tile t are at t * room
-    uint firstClippedVertex;            // triangles of clip fans (vertices from here on) come in strips
+    uint itemCount;           // drawn triangles, places in a list of them, or strips
+    uint tilesX, tilesY;      // of the band
+    uint room;                // entries of tile t are at t * room
+    uint firstClippedVertex;  // triangles of clip fans (vertices from here on) come in strips
     FrameBox frame;
 };
 

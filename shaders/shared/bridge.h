@@ -22,18 +22,18 @@
 #define INOUT(T) T&
 #define SPECIALIZED(id, T) inline constexpr T  // a specialization constant; in C++ its default
 SHARED_BEGIN
+using glm::abs;
 using glm::ivec2;
 using glm::ivec3;
 using glm::ivec4;
+using glm::max;
+using glm::min;
 using glm::uvec2;
 using glm::uvec3;
 using glm::uvec4;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
-using glm::max;
-using glm::min;
-using glm::abs;
 using std::sqrt;
 using uint = std::uint32_t;
 using Real = float;
@@ -65,7 +65,8 @@ inline int highestBit(uint x) { return 31 - std::countl_zero(x); }  // x > 0
 // A row in binary64 (of each number the low word first) times a point, rounded to float32 at the end.
 inline float rowTimesDouble(const uvec4& row01, const uvec4& row23, const vec3& p) {
     const auto number = [](uint low, uint high) { return std::bit_cast<double>(std::uint64_t(high) << 32 | low); };
-    const double x = number(row01.x, row01.y) * double(p.x), y = number(row01.z, row01.w) * double(p.y), z = number(row23.x, row23.y) * double(p.z);
+    const double x = number(row01.x, row01.y) * double(p.x), y = number(row01.z, row01.w) * double(p.y),
+                 z = number(row23.x, row23.y) * double(p.z);
     return float(((x + y) + z) + number(row23.z, row23.w));
 }
 // Sign of a b - c d, exact for |a b|, |c d| < 2^50: -1, 0 or 1.
@@ -98,8 +99,8 @@ int pick(bool c, int yes, int no) { return c ? yes : no; }
 uint pick(bool c, uint yes, uint no) { return c ? yes : no; }
 vec4 pick(bvec4 c, vec4 yes, vec4 no) { return mix(no, yes, c); }
 ivec4 pick(bvec4 c, ivec4 yes, ivec4 no) { return mix(no, yes, c); }
-bool gt(float a, float b) { return a > b; }   // no plant: every use in a kernel of one pixel is a contract's own decision
-bool same(int a, int b) { return a == b; }    // no plant: the same
+bool gt(float a, float b) { return a > b; }  // no plant: every use in a kernel of one pixel is a contract's own decision
+bool same(int a, int b) { return a == b; }   // no plant: the same
 bvec4 gt(vec4 a, vec4 b) { return greaterThan(a, b); }
 bvec4 same(ivec4 a, ivec4 b) { return equal(a, b); }
 vec4 toReal(ivec4 i) { return vec4(i); }

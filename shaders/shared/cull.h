@@ -8,26 +8,26 @@
 #include "transform.h"
 SHARED_BEGIN
 
-SHARED_CONST uint kClipFan = 6u;        // a triangle cut by five planes has at most 8 corners: 6 triangles
+SHARED_CONST uint kClipFan = 6u;  // a triangle cut by five planes has at most 8 corners: 6 triangles
 SHARED_CONST uint kClipCorners = 8u;
 SHARED_CONST uint kTrianglesPerLane = 32u;
-SHARED_CONST int kSmallTiles = 32;      // a triangle whose box touches more tiles is binned in strips
+SHARED_CONST int kSmallTiles = 32;  // a triangle whose box touches more tiles is binned in strips
 SHARED_CONST int kTileWidth = 16;
 SHARED_CONST int kTileHeight = 8;
 
 struct FrameBox {
-    int width, height;                  // of the frame in pixels (samples when supersampled)
-    int firstRow, rows;                 // of the band
+    int width, height;   // of the frame in pixels (samples when supersampled)
+    int firstRow, rows;  // of the band
 };
 
 // One word a class for 32 triangles.
 struct CullRecord {
-    uint drawn;                         // bit t: drawn as it is
-    uint clip;                          // bit t: to be clipped
-    uint large;                         // bit t, subset of drawn: binned in strips
-    uint wide;                          // bit t, subset of drawn: needs the 64-bit set-up
-    uint backFacing, zeroArea, outside; // bits, for the counters
-    uint medium;                        // bit t, subset of drawn: neither large nor wide, but its box touches more than two tiles of the frame
+    uint drawn;                          // bit t: drawn as it is
+    uint clip;                           // bit t: to be clipped
+    uint large;                          // bit t, subset of drawn: binned in strips
+    uint wide;                           // bit t, subset of drawn: needs the 64-bit set-up
+    uint backFacing, zeroArea, outside;  // bits, for the counters
+    uint medium;  // bit t, subset of drawn: neither large nor wide, but its box touches more than two tiles of the frame
 };
 
 struct CullPush {
@@ -38,8 +38,8 @@ struct CullPush {
 };
 
 struct DrawTriangle {
-    uint vertex[3];                     // lowest (y, x) first, then counter-clockwise as seen
-    uint source;                        // triangle of the chunk
+    uint vertex[3];  // lowest (y, x) first, then counter-clockwise as seen
+    uint source;     // triangle of the chunk
 };
 
 SHARED_CONST uint kOutside = 0u;
@@ -49,9 +49,7 @@ SHARED_CONST uint kDrawn = 3u;
 SHARED_CONST uint kClip = 4u;
 
 // Twice the area of a triangle that faces the viewer is positive.
-SHARED_FN int facing(ivec2 p0, ivec2 p1, ivec2 p2) {
-    return signOfDifference(p1.y - p0.y, p2.x - p0.x, p1.x - p0.x, p2.y - p0.y);
-}
+SHARED_FN int facing(ivec2 p0, ivec2 p1, ivec2 p2) { return signOfDifference(p1.y - p0.y, p2.x - p0.x, p1.x - p0.x, p2.y - p0.y); }
 
 SHARED_FN ivec2 lowest(ivec2 a, ivec2 b, ivec2 c) { return min(min(a, b), c); }
 SHARED_FN ivec2 highest(ivec2 a, ivec2 b, ivec2 c) { return max(max(a, b), c); }
@@ -61,8 +59,7 @@ SHARED_FN uint classify(ivec2 p0, ivec2 p1, ivec2 p2, FrameBox frame, uint cullB
     ivec2 low = lowest(p0, p1, p2);
     ivec2 high = highest(p0, p1, p2);
     bool outside = lastPixel(high.x) < 0 || lastPixel(high.y) < 0 || firstPixel(low.x) >= frame.width ||
-                   firstPixel(low.y) >= frame.height || firstPixel(low.x) > lastPixel(high.x) ||
-                   firstPixel(low.y) > lastPixel(high.y);
+                   firstPixel(low.y) >= frame.height || firstPixel(low.x) > lastPixel(high.x) || firstPixel(low.y) > lastPixel(high.y);
     int sign = facing(p0, p1, p2);
     uint kind = pick(outside, kOutside, kDrawn);
     kind = pick(sign < 0 && cullBackFaces != 0u, kBackFacing, kind);

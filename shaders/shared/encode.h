@@ -9,9 +9,9 @@ SHARED_BEGIN
 
 SHARED_CONST uint kEncodeSrgb = 0u;
 SHARED_CONST uint kEncodeLinear = 1u;
-SHARED_CONST uint kEncodeNative = 2u;            // sRGB by the device's pow
-SHARED_CONST int kEncodeFirstBucket = 0x3900;   // of the bits >> 16: 1.2e-4, below the first threshold
-SHARED_CONST int kEncodeBuckets = 1665;         // ... up to and with 1.0
+SHARED_CONST uint kEncodeNative = 2u;          // sRGB by the device's pow
+SHARED_CONST int kEncodeFirstBucket = 0x3900;  // of the bits >> 16: 1.2e-4, below the first threshold
+SHARED_CONST int kEncodeBuckets = 1665;        // ... up to and with 1.0
 
 // Clamps to [0, 1]; not a number gives 0.
 SHARED_FN Real clampUnit(Real x) {

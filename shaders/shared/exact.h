@@ -92,14 +92,18 @@ SHARED_FN float emulatedRoot(float a, int seedErrorUlp) {
 
 SHARED_FN float exactDivide(float a, float b) {
     float quotient;
-    if (kNativeDivide) quotient = nativeDivide(a, b);  // no plant: both forms give the same bits
-    else quotient = emulatedDivide(a, b, 0);
+    if (kNativeDivide)
+        quotient = nativeDivide(a, b);  // no plant: both forms give the same bits
+    else
+        quotient = emulatedDivide(a, b, 0);
     return quotient;
 }
 SHARED_FN float exactRoot(float a) {
     float root;
-    if (kNativeRoot) root = nativeRoot(a);  // no plant: both forms give the same bits
-    else root = emulatedRoot(a, 0);
+    if (kNativeRoot)
+        root = nativeRoot(a);  // no plant: both forms give the same bits
+    else
+        root = emulatedRoot(a, 0);
     return root;
 }
 

@@ -11,7 +11,7 @@ SHARED_BEGIN
 // z(p) = (e_2 k1 + e_0 k2) + zc, clamped to the triangle's own range. Edges: 0 = (v0, v1), 1 = (v1, v2), 2 = (v2, v0).
 struct DepthPlane {
     float k1, k2, zc;
-    int low, high;                      // bits of the least and greatest z of the corners; z > 0, so bits order as values do
+    int low, high;  // bits of the least and greatest z of the corners; z > 0, so bits order as values do
 };
 
 // sumE = e_0 + e_1 + e_2 rounded once; rhoI = rho_i / 256 (exact).
@@ -32,7 +32,7 @@ SHARED_FN DepthPlane depthPlane(float z0, float z1, float z2, float sumE, float 
 
 SHARED_FN Int depthBits(Real e2, Real e0, float k1, float k2, float zc, int low, int high) {
     Int z = bitsOf((e2 * k1 + e0 * k2) + zc);
-    return min(max(z, low), high);      // a negative float is a negative integer: below `low`
+    return min(max(z, low), high);  // a negative float is a negative integer: below `low`
 }
 
 // Fixed point of `bits` < 32 bits in place of float32: the least multiple of 2^-bits that is not below z, so that what is drawn is above 0.
@@ -54,9 +54,7 @@ SHARED_FN Int standardDepth(Int z) {
 
 // Nearest wins; equal depths go to the lower triangle. The result does not depend on the order of visits.
 // Triangles count from 1 here; 0 stands for what was there before, which wins ties.
-SHARED_FN bool wins(int z, int triangle, int bestZ, int bestTriangle) {
-    return z > bestZ || (z == bestZ && triangle < bestTriangle);
-}
+SHARED_FN bool wins(int z, int triangle, int bestZ, int bestTriangle) { return z > bestZ || (z == bestZ && triangle < bestTriangle); }
 
 // Perspective weights of the corners, scaled so that the nearest corner's is in [1, 2): squares of what they weigh stay normal.
 SHARED_FN float weightScale(int highestZ) { return realOf(0x7f000000 - (highestZ & 0x7f800000)); }
@@ -86,18 +84,18 @@ SHARED_FN float lightAttenuation(uint kinds, uint light) { return float((kinds >
 struct FillPush {
     uint statusSlot;
     uint tileCount;
-    uint firstRow;                      // of the band
-    uint rowQuads;                      // row pitch of the band's buffers in units of 4 pixels
-    uint planeQuads;                    // plane pitch
-    uint firstLight, lightCount;        // the window
-    uint background;                    // encoded
-    uint firstTriangle;                 // of the chunk in the scene
-    uint flatColours;                   // texel of the first face colour of the chunk
+    uint firstRow;                // of the band
+    uint rowQuads;                // row pitch of the band's buffers in units of 4 pixels
+    uint planeQuads;              // plane pitch
+    uint firstLight, lightCount;  // the window
+    uint background;              // encoded
+    uint firstTriangle;           // of the chunk in the scene
+    uint flatColours;             // texel of the first face colour of the chunk
     float near;
-    vec3 rayOrigin, rayX, rayY;         // direction to pixel (x, y), forward component 1: rayOrigin + rayX x + rayY y
+    vec3 rayOrigin, rayX, rayY;  // direction to pixel (x, y), forward component 1: rayOrigin + rayX x + rayY y
     vec3 backgroundLinear;
-    vec3 toward;                        // unit vector toward a distant viewer, world axes; 0: rays say where the viewer is
-    ivec2 frameEnd;                     // first column and row (of the frame) past the band: read when shading once in 2 x 2 pixels
+    vec3 toward;     // unit vector toward a distant viewer, world axes; 0: rays say where the viewer is
+    ivec2 frameEnd;  // first column and row (of the frame) past the band: read when shading once in 2 x 2 pixels
 };
 
 SHARED_FN Real rayAt(float origin, float perX, float perY, Real x, float y) { return (real(origin) + x * perX) + real(y * perY); }

@@ -11,7 +11,7 @@ SHARED_CONST uint kNoObject = 0xffffffffu;
 
 // Where a ray starts with respect to the object that is asked.
 SHARED_CONST uint kStartElsewhere = 0u;
-SHARED_CONST uint kStartOutside = 1u;   // on it, leaving on the side of its normal
+SHARED_CONST uint kStartOutside = 1u;  // on it, leaving on the side of its normal
 SHARED_CONST uint kStartInside = 2u;
 
 SHARED_FN uint startOn(uint object, uint from, bool inside) {
@@ -19,9 +19,7 @@ SHARED_FN uint startOn(uint object, uint from, bool inside) {
 }
 
 // Nearest wins; at equal distance the lower object. The result does not depend on the order of visits.
-SHARED_FN bool isNearer(float t, uint object, float bestT, uint best) {
-    return t > 0.0f && (t < bestT || (t == bestT && object < best));
-}
+SHARED_FN bool isNearer(float t, uint object, float bestT, uint best) { return t > 0.0f && (t < bestT || (t == bestT && object < best)); }
 
 // o - c + k d, rounded about once: difference and product with their errors (Knuth, Dekker). Products below 2^-60 count as exact, so
 // that no error term is subnormal.
@@ -49,8 +47,8 @@ SHARED_FN float pointOnLine(float o, float c, float k, float d) {
 }
 
 struct SphereHit {
-    float t;                            // distance; 0: none
-    vec3 offset;                        // from the centre to the hit
+    float t;      // distance; 0: none
+    vec3 offset;  // from the centre to the hit
 };
 
 // |p - c|^2 - r^2, the power of p with respect to a sphere, from that of the eye (the origin), which the host computes without cancellation.
@@ -147,19 +145,19 @@ struct PlaneRecord {
     float u0;
     vec3 v;
     float v0;
-    float uMin, uMax, vMin, vMax;       // bounds, inclusive
-    float square;                       // side of a board's squares; 0: no board
-    float mirrored;                     // 1: the board is mirrored at v = 0, as the notes' is; 0: squares alternate across it
-    float twoSided;                     // 0: rays that run with the normal pass
-    float other;                        // material of the board's other squares
+    float uMin, uMax, vMin, vMax;  // bounds, inclusive
+    float square;                  // side of a board's squares; 0: no board
+    float mirrored;                // 1: the board is mirrored at v = 0, as the notes' is; 0: squares alternate across it
+    float twoSided;                // 0: rays that run with the normal pass
+    float other;                   // material of the board's other squares
 };
 SHARED_CONST int kPlaneTexels = 5;
 
 struct PlaneHit {
-    float t;                            // distance; 0: none
+    float t;  // distance; 0: none
     vec3 point;
     float u, v;
-    uint undecided;                     // 1: the ray is parallel to the plane within rounding; counted, not hit
+    uint undecided;  // 1: the ray is parallel to the plane within rounding; counted, not hit
 };
 
 SHARED_FN PlaneHit hitPlane(vec3 o, vec3 d, vec4 plane, vec4 u, vec4 v, vec4 bounds, bool twoSided, uint start) {

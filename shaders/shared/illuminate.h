@@ -8,10 +8,10 @@ SHARED_BEGIN
 
 struct IlluminatePush {
     uint statusSlot;
-    uint firstPoint, pointCount;        // points of one object
+    uint firstPoint, pointCount;  // points of one object
     uint object;
-    uint firstLight, lightCount;        // a window: the colours go on from those before it, unless it begins at 0
-    vec3 toward;                        // unit vector toward a distant viewer, world axes; 0: the viewer is at the origin
+    uint firstLight, lightCount;  // a window: the colours go on from those before it, unless it begins at 0
+    vec3 toward;                  // unit vector toward a distant viewer, world axes; 0: the viewer is at the origin
 };
 
 SHARED_FN Real rowTimesPoint4(vec4 row, Real x, Real y, Real z) { return ((x * row.x + y * row.y) + z * row.z) + row.w; }

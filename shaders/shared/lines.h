@@ -9,14 +9,14 @@ SHARED_BEGIN
 
 struct LinesPush {
     uint statusSlot;
-    uint firstEdge, edgeCount;          // of one object, in the edge list at hand
-    uint edgeNumber;                    // of the first edge in the whole frame: what owns a pixel
+    uint firstEdge, edgeCount;  // of one object, in the edge list at hand
+    uint edgeNumber;            // of the first edge in the whole frame: what owns a pixel
     uint object;
-    uint rowPixels;                     // pitch of the owner plane
+    uint rowPixels;  // pitch of the owner plane
     int width, height;
-    int firstRow, rows;                 // of the band
-    int surfaceRow, surfaceRows;        // rows of the frame that the surfaces at hand have (hidden lines removed)
-    Viewport viewport;                  // guardX, guardY: half the frame and one pixel
+    int firstRow, rows;           // of the band
+    int surfaceRow, surfaceRows;  // rows of the frame that the surfaces at hand have (hidden lines removed)
+    Viewport viewport;            // guardX, guardY: half the frame and one pixel
 };
 
 SHARED_CONST uint kNoEdge = 0xffffffffu;
@@ -55,11 +55,11 @@ SHARED_FN bool cutLine(int plane, INOUT(LineEnds) e, Viewport v) {
 // floor((start + floor((offset + 256 k) rise / run)) / 256), 0 <= k < count.
 struct LineWalk {
     int first, count;
-    int start;                          // minor sub-pixel coordinate of the lower end
-    int offset;                         // from the lower end to the first pixel centre, sub-pixels, 0..255
-    int rise, run;                      // sub-pixels, run > 0
-    int steep;                          // 1: major axis is y
-    int swapped;                        // 1: the lower end is the second one
+    int start;      // minor sub-pixel coordinate of the lower end
+    int offset;     // from the lower end to the first pixel centre, sub-pixels, 0..255
+    int rise, run;  // sub-pixels, run > 0
+    int steep;      // 1: major axis is y
+    int swapped;    // 1: the lower end is the second one
 };
 
 SHARED_FN LineWalk walkLine(ivec2 a, ivec2 b) {
@@ -99,9 +99,7 @@ SHARED_FN LineDepth lineDepth(float z0, float z1, LineWalk w) {
 // z bits at pixel k of the walk: at the point of the line on the centre of the pixel's column (row when steep). It never leaves the range of
 // the ends: at most run - 1 <= 2^22 - 1 sub-pixels from the start, the product is below (1 + 2^-24)^3 (1 - 2^-22) < 1 of the difference, and
 // rounding keeps order.
-SHARED_FN int lineDepthAt(LineDepth d, LineWalk w, int k) {
-    return bitsOf(d.start + d.slope * float(w.offset + kSubpixels * k));
-}
+SHARED_FN int lineDepthAt(LineDepth d, LineWalk w, int k) { return bitsOf(d.start + d.slope * float(w.offset + kSubpixels * k)); }
 
 // What is seen of the filled picture at a pixel: bits of z (0: nothing), and the face (kNoFace: nothing).
 SHARED_CONST uint kNoFace = 0xffffffffu;

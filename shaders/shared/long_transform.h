@@ -25,7 +25,7 @@ struct LongRow {
 // One an object, beside its ObjectRecord.
 struct LongRecord {
     LongRow x, y, w;
-    float scale;                        // a power of two: X = x scale, rounded half to even
+    float scale;  // a power of two: X = x scale, rounded half to even
 };
 
 SHARED_FN Word64 sumOfWords(Word64 a, Word64 b) {
@@ -53,7 +53,7 @@ SHARED_FN float realOfWord(Word64 value, int exponent) {
     if (negative) magnitude = negatedWord(value);
     uint high = uint(magnitude.high);
     uint low = magnitude.low;
-    int place = 63;                     // of the highest bit of `high`
+    int place = 63;  // of the highest bit of `high`
     if (high == 0u) {
         high = low;
         low = 0u;

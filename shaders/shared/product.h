@@ -6,16 +6,16 @@
 #include "bridge.h"
 SHARED_BEGIN
 
-SHARED_CONST uint kMostMatrices = 7u;   // applied one after another
+SHARED_CONST uint kMostMatrices = 7u;  // applied one after another
 
 struct Rows {
-    vec4 r0, r1, r2, r3;                // of a 4 x 4 matrix, for column vectors
+    vec4 r0, r1, r2, r3;  // of a 4 x 4 matrix, for column vectors
 };
 
 struct VertexPair {
-    vec4 first, second;                 // neighbours: results are stored by two
+    vec4 first, second;  // neighbours: results are stored by two
 };
-SHARED_CONST uint kPairsPerLane = 8u;   // of an invocation
+SHARED_CONST uint kPairsPerLane = 8u;  // of an invocation
 
 struct VerticesPush {
     uint statusSlot;
@@ -25,11 +25,11 @@ struct VerticesPush {
 struct ChainPush {
     uint statusSlot;
     uint matrixCount;
-    uint perLane;                       // consecutive matrices that an invocation multiplies, 2 to kMostPerLane
+    uint perLane;  // consecutive matrices that an invocation multiplies, 2 to kMostPerLane
     uint laneCount;
 };
-SHARED_CONST uint kFactorsPerStep = 4u;      // of its loop
-SHARED_CONST uint kMostPerLane = 240000u;    // 60,000 steps: lavapipe ends a loop after 65,535
+SHARED_CONST uint kFactorsPerStep = 4u;    // of its loop
+SHARED_CONST uint kMostPerLane = 240000u;  // 60,000 steps: lavapipe ends a loop after 65,535
 
 SHARED_FN float rowTimes(vec4 row, vec4 p) { return ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w * p.w; }
 SHARED_FN vec4 timesVector(Rows m, vec4 p) { return vec4(rowTimes(m.r0, p), rowTimes(m.r1, p), rowTimes(m.r2, p), rowTimes(m.r3, p)); }

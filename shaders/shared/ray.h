@@ -10,9 +10,7 @@ SHARED_BEGIN
 SHARED_CONST float kFarthestHit = 1.152921504606846976e18f;  // 2^60: squares of it stay finite; what lies further is not hit
 
 SHARED_FN float dot3(vec3 a, vec3 b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
-SHARED_FN vec3 chosen(bool c, vec3 yes, vec3 no) {
-    return vec3(pick(c, yes.x, no.x), pick(c, yes.y, no.y), pick(c, yes.z, no.z));
-}
+SHARED_FN vec3 chosen(bool c, vec3 yes, vec3 no) { return vec3(pick(c, yes.x, no.x), pick(c, yes.y, no.y), pick(c, yes.z, no.z)); }
 SHARED_FN vec3 magnitudes(vec3 a) { return vec3(abs(a.x), abs(a.y), abs(a.z)); }
 
 // |v| in [2^-60, 2^60]. Length of the result: 1 within 9 u (root 4 u, sum of squares halved 2 u, product 1 u, second order).
@@ -34,9 +32,7 @@ SHARED_FN vec3 mirrored(vec3 d, vec3 n, float cosine) { return unitLength(d + n 
 
 // 1 - sin^2 of the refracted angle; ratio = index on the ray's side / index beyond. Not above 0: total reflection. (1 - c)(1 + c)
 // for 1 - c^2: no cancellation near normal incidence.
-SHARED_FN float refractedSquare(float cosine, float ratio) {
-    return 1.0f - (ratio * ratio) * ((1.0f - cosine) * (1.0f + cosine));
-}
+SHARED_FN float refractedSquare(float cosine, float ratio) { return 1.0f - (ratio * ratio) * ((1.0f - cosine) * (1.0f + cosine)); }
 SHARED_FN vec3 refracted(vec3 d, vec3 n, float cosine, float ratio, float square) {
     return unitLength(d * ratio + n * (ratio * cosine - exactRoot(square)));
 }

@@ -10,13 +10,13 @@ SHARED_BEGIN
 
 struct ResolvePush {
     uint statusSlot;
-    uint pixelQuads;                    // output pixels / 4, row pitch included
-    uint rowQuads;                      // of the output
-    uint sampleRowQuads;                // of the sample planes
+    uint pixelQuads;      // output pixels / 4, row pitch included
+    uint rowQuads;        // of the output
+    uint sampleRowQuads;  // of the sample planes
     uint samplePlaneQuads;
-    uint zSlot, linearSlot;             // plane numbers in the sample planes
-    uint side;                          // s: 1, 2 or 4
-    uint stride;                        // samples from pixel to pixel: s, or 1 where neighbours share their corners (s = 2)
+    uint zSlot, linearSlot;  // plane numbers in the sample planes
+    uint side;               // s: 1, 2 or 4
+    uint stride;             // samples from pixel to pixel: s, or 1 where neighbours share their corners (s = 2)
     uint transparent;
 };
 

@@ -6,11 +6,11 @@
 #include "ray.h"
 SHARED_BEGIN
 
-SHARED_CONST uint kSampleGrid = 0u;     // the middle of each sample's square
-SHARED_CONST uint kSampleCentre = 1u;   // all samples of a pixel through its middle
-SHARED_CONST uint kSampleRandom = 2u;   // anywhere in the sample's square
-SHARED_CONST uint kSampleCorner = 3u;   // its upper left corner
-SHARED_CONST uint kSampleNotes = 4u;    // its lower right corner: where the notes' C program looks
+SHARED_CONST uint kSampleGrid = 0u;    // the middle of each sample's square
+SHARED_CONST uint kSampleCentre = 1u;  // all samples of a pixel through its middle
+SHARED_CONST uint kSampleRandom = 2u;  // anywhere in the sample's square
+SHARED_CONST uint kSampleCorner = 3u;  // its upper left corner
+SHARED_CONST uint kSampleNotes = 4u;   // its lower right corner: where the notes' C program looks
 
 // O'Neill's PCG: a step of the congruential generator, permuted. Every word comes from one word.
 SHARED_FN uint mixed(uint x) {
@@ -35,7 +35,9 @@ SHARED_FN float sampleAlong(uint sampling, uint index, uint side, float noise) {
     at = pick(sampling == kSampleCorner, float(int(index)), at);
     return pick(sampling == kSampleNotes, float(int(index)) + 1.0f, at);
 }
-SHARED_FN float columnOf(uint sampling, uint column, uint side, uint key) { return sampleAlong(sampling, column, side, unitNoise(mixed(key + 1u))); }
+SHARED_FN float columnOf(uint sampling, uint column, uint side, uint key) {
+    return sampleAlong(sampling, column, side, unitNoise(mixed(key + 1u)));
+}
 SHARED_FN float rowOf(uint sampling, uint row, uint side, uint key) { return sampleAlong(sampling, row, side, unitNoise(mixed(key + 2u))); }
 
 // The unit vector d disturbed by a vector out of the cube [-amount, amount)^3, unit again. Where that would pass to the other side of the surface

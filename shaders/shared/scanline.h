@@ -33,20 +33,20 @@ struct ScanCorner {
 
 // X of an edge is column + rest / height, 0 <= rest < height.
 struct ScanEdge {
-    uint top, bottom;     // corners; y of top < y of bottom
-    int column;           // X on the first line of the block that the edge is active on
+    uint top, bottom;  // corners; y of top < y of bottom
+    int column;        // X on the first line of the block that the edge is active on
     uint rest;
-    int columnStep;       // dX
+    int columnStep;  // dX
     uint restStep;
-    uint height;          // lines from top to bottom
+    uint height;  // lines from top to bottom
 };
 
 // A polygon, or a block of a large one.
 struct ScanPolygon {
-    uint firstEdge, edgeCount;       // first the two that are active on the first line, then those that follow, by y of their top
-    int firstLine, lineCount;        // of the block, within the canvas
-    int lastLine;                    // of the polygon
-    int firstColumn, columnCount;    // of the block, within the canvas
+    uint firstEdge, edgeCount;     // first the two that are active on the first line, then those that follow, by y of their top
+    int firstLine, lineCount;      // of the block, within the canvas
+    int lastLine;                  // of the polygon
+    int firstColumn, columnCount;  // of the block, within the canvas
     uint firstSpan;
 };
 
@@ -150,7 +150,9 @@ SHARED_FN ScanSlope scanSlope(ScanCorner top, ScanCorner bottom) {
     return s;
 }
 // Each corner's line has the corner's own values, so that edges meet in one point.
-SHARED_FN ScanValues scanOnLine(ScanSlope s, int y) { return scanChosen(y == s.toLine, s.to, scanMoved(s.from, toReal(y - s.fromLine), s.step)); }
+SHARED_FN ScanValues scanOnLine(ScanSlope s, int y) {
+    return scanChosen(y == s.toLine, s.to, scanMoved(s.from, toReal(y - s.fromLine), s.step));
+}
 
 SHARED_FN ScanWalk scanStart(ScanEdge e) {
     ScanWalk w;

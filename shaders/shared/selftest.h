@@ -12,28 +12,28 @@ SHARED_CONST uint kCanaryLanes = 8u;
 SHARED_CONST uint kCanaryIterations = 80000u;  // above the 65,535 at which lavapipe ends loops in silence
 
 struct SelfTestVector {
-    float x;         // normal, |x| in [2^-60, 2^60], so every answer is normal or zero
-    float y;         // likewise
+    float x;  // normal, |x| in [2^-60, 2^60], so every answer is normal or zero
+    float y;  // likewise
     uint i;
     uint j;
-    float converted; // |converted| < 2^31
+    float converted;  // |converted| < 2^31
 };
 
 struct SelfTestAnswer {
     float sum;
     float difference;
     float product;
-    float sumOfProducts;   // x * y + x as two operations: shows a contraction
+    float sumOfProducts;  // x * y + x as two operations: shows a contraction
     float floatOfInt;
     float floatOfUint;
     int intOfFloat;
-    uint uintOfFloat;      // of |converted|
+    uint uintOfFloat;  // of |converted|
     uint unsignedHigh;
     uint unsignedLow;
     int signedHigh;
     int signedLow;
     float nativeQuotient;
-    float nativeRoot;      // of |x|
+    float nativeRoot;  // of |x|
     float emulatedQuotient;
     float emulatedRoot;
 };
@@ -41,19 +41,19 @@ struct SelfTestAnswer {
 // Of binary64, each number as two words. Asked only of a device that shall transform in it.
 SHARED_CONST uint kDoubleVectors = 4096u;
 struct DoubleVector {
-    uint aLow, aHigh, bLow, bHigh;   // |a|, |b| in [2^-60, 2^60]
-    float x;                         // likewise
+    uint aLow, aHigh, bLow, bHigh;  // |a|, |b| in [2^-60, 2^60]
+    float x;                        // likewise
 };
 struct DoubleAnswer {
-    uint sumLow, sumHigh;            // a + b
-    uint productLow, productHigh;    // a x
-    uint bothLow, bothHigh;          // a x + b as two operations: shows a contraction
-    float rounded;                   // a as float32
+    uint sumLow, sumHigh;          // a + b
+    uint productLow, productHigh;  // a x
+    uint bothLow, bothHigh;        // a x + b as two operations: shows a contraction
+    float rounded;                 // a as float32
 };
 
 struct CanaryAnswer {
     uint iterations;
-    uint state;      // of the generator below after so many iterations
+    uint state;  // of the generator below after so many iterations
     float sum;
     float product;
     float quotient;

@@ -10,17 +10,17 @@ SHARED_CONST uint kNoTriangle = 0xffffffffu;
 
 struct SetupPush {
     uint statusSlot;
-    uint placeCount;                    // of the draw list
-    uint tilesX;                        // of the frame, where small triangles are binned in the same pass (one band); else 0
-    uint room;                          // as BinPush
+    uint placeCount;  // of the draw list
+    uint tilesX;      // of the frame, where small triangles are binned in the same pass (one band); else 0
+    uint room;        // as BinPush
     FrameBox frame;
 };
 
 struct ClipJob {
-    uint triangle;                      // of the chunk
+    uint triangle;  // of the chunk
     uint object;
-    uint place;                         // first of kClipFan places in the draw list
-    uint vertex;                        // first of kClipCorners vertices
+    uint place;   // first of kClipFan places in the draw list
+    uint vertex;  // first of kClipCorners vertices
 };
 
 struct ClipPush {

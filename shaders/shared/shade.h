@@ -28,10 +28,10 @@ SHARED_CONST int kLightTexels = 2;
 
 // Three texels.
 struct MaterialRecord {
-    vec3 base;                          // Ka Ia + Ke
+    vec3 base;  // Ka Ia + Ke
     float shininess;
     vec3 diffuse;
-    float zeroPower;                    // 1 when shininess is 0, else 0: (R.V)^0 = 1 for every R.V
+    float zeroPower;  // 1 when shininess is 0, else 0: (R.V)^0 = 1 for every R.V
     vec3 specular;
     float reserved;
 };
@@ -91,7 +91,7 @@ SHARED_FN Real specularPower(Real delta, Real n, Real zeroPower) {
     q = q * r + 0.693146967f;
     q = q * r + 1.0f;
     Real power = realOf(bitsOf(q) + shiftLeft(toInt(k), 23));
-    return pick(gt(real(1.0f), delta), power, zeroPower);   // delta >= 1: R.V <= 0
+    return pick(gt(real(1.0f), delta), power, zeroPower);  // delta >= 1: R.V <= 0
 }
 
 // Schlick's x / (n - n x + x) in place of x^n (C. Schlick, A Fast Alternative to Phong's Specular Model, Graphics Gems IV, 1994). Both are 1 with
@@ -123,14 +123,14 @@ SHARED_FN float nativePowerBound(float n) {
 }
 
 struct Surface {
-    Real nx, ny, nz;                    // unit normal, world axes
-    Real vx, vy, vz;                    // unit vector toward the eye
-    Real px, py, pz;                    // position relative to the eye (read by point lights only)
+    Real nx, ny, nz;  // unit normal, world axes
+    Real vx, vy, vz;  // unit vector toward the eye
+    Real px, py, pz;  // position relative to the eye (read by point lights only)
 };
 
 struct Reflectance {
-    Real dr, dg, db;                    // Kd
-    Real sr, sg, sb;                    // Ks
+    Real dr, dg, db;  // Kd
+    Real sr, sg, sb;  // Ks
     Real n, zeroPower;
 };
 
@@ -202,9 +202,12 @@ SHARED_FN void addLightFrom(Toward t, vec4 intensity, Surface s, Reflectance k, 
         Real qz = (twice * s.nz - t.z) - s.vz;
         Real delta = ((qx * qx + qy * qy) + qz * qz) * 0.5f;
         Real power = real(0.0f);
-        if (parts.power == kPowerSchlick) power = schlickPower(delta, k.n, k.zeroPower);
-        else if (parts.power == kPowerNative) power = nativePower(delta, k.n, k.zeroPower);
-        else power = specularPower(delta, k.n, k.zeroPower);
+        if (parts.power == kPowerSchlick)
+            power = schlickPower(delta, k.n, k.zeroPower);
+        else if (parts.power == kPowerNative)
+            power = nativePower(delta, k.n, k.zeroPower);
+        else
+            power = specularPower(delta, k.n, k.zeroPower);
         power = pick(lit, power, real(0.0f));
         r = r + k.sr * power;
         g = g + k.sg * power;

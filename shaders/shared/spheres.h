@@ -13,7 +13,7 @@
 SHARED_BEGIN
 
 SHARED_CONST int kSphereReach = 4096;    // r^2 <= 2^24 is exact as a float
-SHARED_CONST int kSpheresOfRow = 50000;        // an invocation may loop 65,535 times, spheres and lights together
+SHARED_CONST int kSpheresOfRow = 50000;  // an invocation may loop 65,535 times, spheres and lights together
 SHARED_CONST int kSphereLights = 10000;
 SHARED_CONST uint kNoSphere = 0xffffffffu;
 SHARED_CONST float kSphereFarthest = 3.0e38f;  // beyond every depth
@@ -37,9 +37,7 @@ struct SpheresPush {
 };
 
 // x, y: from the centre, y up.
-SHARED_FN bool sphereCovers(SphereDisc s, int x, int y) {
-    return abs(x) <= s.reach && x * x + y * y <= s.radiusSquared;
-}
+SHARED_FN bool sphereCovers(SphereDisc s, int x, int y) { return abs(x) <= s.reach && x * x + y * y <= s.radiusSquared; }
 
 // z of a covered pixel, in pixels. The whole number nearest to sqrt(n) is k or k + 1 for k <= sqrt(n): it is never a tie, as (k + 1/2)^2 is no
 // whole number, so n > k^2 + k decides; a root that was rounded up to a whole number is that number.

@@ -10,7 +10,7 @@
 #include "triangle.h"
 SHARED_BEGIN
 
-SHARED_CONST uint kRayDepthLimit = 64u;     // of rays one after another; the primary ray has depth 1
+SHARED_CONST uint kRayDepthLimit = 64u;  // of rays one after another; the primary ray has depth 1
 
 // Objects that rays meet are counted in one row: spheres, planes, triangles. A mesh has, as texels: two a corner (position, normal), two a
 // triangle (corners and material; bits of its geometric normal), three a leaf of its tree (a triangle's corners as bits, the first with its
@@ -24,14 +24,14 @@ SHARED_CONST uint kNoChild = 0xffffffffu;
 
 // Four texels.
 struct TraceMaterial {
-    vec3 base;                          // Ka Ia + Ke
+    vec3 base;  // Ka Ia + Ke
     float shininess;
     vec3 diffuse;
-    float zeroPower;                    // as in MaterialRecord
+    float zeroPower;  // as in MaterialRecord
     vec3 specular;
-    float local;                        // weight of the local colour
-    float reflect, transmit;            // weights; local + reflect + transmit <= 1
-    float index, inverseIndex;          // refractive index of the inside, outside 1; the notes' density ratio d
+    float local;                // weight of the local colour
+    float reflect, transmit;    // weights; local + reflect + transmit <= 1
+    float index, inverseIndex;  // refractive index of the inside, outside 1; the notes' density ratio d
 };
 SHARED_CONST int kTraceMaterialTexels = 4;
 
@@ -46,10 +46,10 @@ SHARED_CONST uint kCountUnfinished = 257u;  // samples with rays still waiting (
 SHARED_CONST uint kCounters = 258u;
 
 // Planes that a draw can leave, in this order, only those asked for.
-SHARED_CONST uint kTracePlaneDistance = 1u; // bits of the distance; 0 where nothing is hit
-SHARED_CONST uint kTracePlaneObject = 2u;   // kNoObject where nothing is hit
-SHARED_CONST uint kTracePlaneLinear = 4u;   // three planes
-SHARED_CONST uint kTracePlaneNormal = 8u;   // three planes: world, unit, facing the eye
+SHARED_CONST uint kTracePlaneDistance = 1u;  // bits of the distance; 0 where nothing is hit
+SHARED_CONST uint kTracePlaneObject = 2u;    // kNoObject where nothing is hit
+SHARED_CONST uint kTracePlaneLinear = 4u;    // three planes
+SHARED_CONST uint kTracePlaneNormal = 8u;    // three planes: world, unit, facing the eye
 
 // A ray that waits for its turn: origin, direction, weight, object it starts on, depth << 3 | kind << 1 | inside, key of its noise.
 SHARED_CONST uint kWaitingWords = 10u;
@@ -58,27 +58,25 @@ SHARED_CONST uint kStateWords = 4u;
 
 struct TracePush {
     uint statusSlot;
-    uint itemCount, firstItem;          // samples of this dispatch, row by row in the frame
-    uint width;                         // of the frame
-    uint firstRow;                      // of the band: row 0 of the buffers
-    uint rowWords, planeWords;          // pitch
+    uint itemCount, firstItem;  // samples of this dispatch, row by row in the frame
+    uint width;                 // of the frame
+    uint firstRow;              // of the band: row 0 of the buffers
+    uint rowWords, planeWords;  // pitch
     uint sphereCount, planeCount, lightCount;
-    uint childCount;                    // of the tree: places, whether used or not
-    float reach;                        // largest |coordinate| of a corner
+    uint childCount;  // of the tree: places, whether used or not
+    float reach;      // largest |coordinate| of a corner
     uint maxDepth;
-    uint rayLimit;                      // rays a sample may follow in this dispatch
-    uint first;                         // 1: samples begin; 0: they go on with what waits (list form)
-    uint background;                    // encoded
+    uint rayLimit;    // rays a sample may follow in this dispatch
+    uint first;       // 1: samples begin; 0: they go on with what waits (list form)
+    uint background;  // encoded
     float minWeight;
-    vec3 rayOrigin, rayX, rayY;         // direction to sample (x, y), forward component 1
+    vec3 rayOrigin, rayX, rayY;  // direction to sample (x, y), forward component 1
     vec3 sky;
-    uint seed;                          // of the noise
-    uint tileRows;                      // samples come in tiles: rows of this dispatch, from row firstItem / width on
+    uint seed;      // of the noise
+    uint tileRows;  // samples come in tiles: rows of this dispatch, from row firstItem / width on
 };
 
-SHARED_FN vec3 primaryDirection(vec3 origin, vec3 perX, vec3 perY, float x, float y) {
-    return unitLength((origin + perX * x) + perY * y);
-}
+SHARED_FN vec3 primaryDirection(vec3 origin, vec3 perX, vec3 perY, float x, float y) { return unitLength((origin + perX * x) + perY * y); }
 
 // What a hit sends on. Total reflection hands the transmitted weight to the mirrored ray.
 struct Children {
@@ -88,8 +86,8 @@ struct Children {
 };
 
 // n faces the ray. A child is followed when it is no deeper than maxDepth and weighs at least minWeight.
-SHARED_FN Children childrenOf(vec3 d, vec3 n, bool inside, float mirrorShare, float passShare, float index, float inverseIndex, float weight,
-                              uint depth, uint maxDepth, float minWeight) {
+SHARED_FN Children childrenOf(vec3 d, vec3 n, bool inside, float mirrorShare, float passShare, float index, float inverseIndex,
+                              float weight, uint depth, uint maxDepth, float minWeight) {
     float cosine = -dot3(d, n);
     float ratio = pick(inside, index, inverseIndex);
     float square = refractedSquare(cosine, ratio);

@@ -8,32 +8,32 @@
 SHARED_BEGIN
 
 struct ObjectRecord {
-    vec4 rowX, rowY, rowW;              // clip x, y (pixels times w) and w (scene units) from object space
-    vec4 world0, world1, world2;        // camera-relative world position from object space
-    vec4 normal0, normal1, normal2;     // world normal from object normal (inverse transpose, scaled by a power of two)
+    vec4 rowX, rowY, rowW;           // clip x, y (pixels times w) and w (scene units) from object space
+    vec4 world0, world1, world2;     // camera-relative world position from object space
+    vec4 normal0, normal1, normal2;  // world normal from object normal (inverse transpose, scaled by a power of two)
 };
 
 struct Viewport {
-    float centreX, centreY;             // pixels
-    float guardX, guardY;               // pixels from the centre to the guard band
-    float near;                         // scene units, > 0
-    uint droppedBits;                   // lowest sub-pixel bits that vertices are not snapped to: 0 (1/256 px) or 4 (1/16 px)
+    float centreX, centreY;  // pixels
+    float guardX, guardY;    // pixels from the centre to the guard band
+    float near;              // scene units, > 0
+    uint droppedBits;        // lowest sub-pixel bits that vertices are not snapped to: 0 (1/256 px) or 4 (1/16 px)
 };
 
 struct ClipVertex {
     float x, y, w;
-    vec3 carried;                       // world normal (Phong) or linear colour (Gouraud)
+    vec3 carried;  // world normal (Phong) or linear colour (Gouraud)
 };
 
 struct ScreenVertex {
-    int x, y;                           // sub-pixels; meaningless when `outcode` is not 0
-    float z;                            // near / w: 1 at the near plane, larger is nearer; also the perspective weight
-    uint outcode;                       // bit i: outside plane i
+    int x, y;      // sub-pixels; meaningless when `outcode` is not 0
+    float z;       // near / w: 1 at the near plane, larger is nearer; also the perspective weight
+    uint outcode;  // bit i: outside plane i
 };
 
 struct TransformPush {
     uint statusSlot;
-    uint firstVertex, vertexCount;      // of this dispatch
+    uint firstVertex, vertexCount;  // of this dispatch
     uint object;
     Viewport viewport;
 };
@@ -74,7 +74,7 @@ SHARED_FN uint outcodeOf(float x, float y, float w, Viewport v) {
 SHARED_FN int snapCoarsely(float pixels, float limitPixels, uint droppedBits) {
     float x = pick(pixels > -limitPixels, pixels, -limitPixels);  // not a number goes to the limit
     x = pick(x < limitPixels, x, limitPixels);
-    float steps = realOf(int((135u - droppedBits) << 23));   // 2^(8 - droppedBits) a pixel
+    float steps = realOf(int((135u - droppedBits) << 23));  // 2^(8 - droppedBits) a pixel
     return shiftLeft(toInt(roundEvenReal(x * steps)), int(droppedBits));
 }
 SHARED_FN int snapToSubpixel(float pixels, float limitPixels) { return snapCoarsely(pixels, limitPixels, 0u); }

@@ -11,10 +11,10 @@ SHARED_BEGIN
 // A ray as triangles and boxes take it.
 struct RayFrame {
     vec3 origin, direction;
-    vec3 inverse;                       // 1 / direction; 2^60 in magnitude where that is smaller
-    uint axis;                          // of the largest |direction|
+    vec3 inverse;  // 1 / direction; 2^60 in magnitude where that is smaller
+    uint axis;     // of the largest |direction|
     float shearX, shearY, scale;
-    float pad;                          // boxes are widened by the error of a sheared corner: 8 u of all lengths in it
+    float pad;  // boxes are widened by the error of a sheared corner: 8 u of all lengths in it
 };
 
 SHARED_FN float safeInverse(float x) {
@@ -97,8 +97,8 @@ SHARED_FN float crossValue(float a, float b, float c, float d) {
 }
 
 struct TriangleHit {
-    float t;                            // distance; 0: none
-    float w0, w1, w2;                   // weights of the corners, sum 1 within 3 u
+    float t;           // distance; 0: none
+    float w0, w1, w2;  // weights of the corners, sum 1 within 3 u
 };
 
 SHARED_FN vec3 sheared(RayFrame f, vec3 corner) {

@@ -14,7 +14,7 @@ SHARED_CONST uint kVectorsFace = 1u;
 SHARED_CONST uint kVectorsVertex = 2u;
 
 struct Place {
-    Real x, y, z;                       // relative to the eye
+    Real x, y, z;  // relative to the eye
 };
 
 // A corner of a drawn triangle: sub-pixels, n/w; rays as in FillPush.

@@ -47,7 +47,10 @@ Json row(const char* axis, const char* choice, double ms, double error, Json bou
             {"timeMs", {{"median", ms}, {"min", ms * 0.9}, {"max", ms * 1.3}, {"n", 5}}},
             {"ratio", ratio},
             {"ratioInterval", {{"low", low}, {"high", high}}},
-            {"told", baseline ? "default" : high < 1 ? "faster" : low > 1 ? "slower" : "not told apart"},
+            {"told", baseline   ? "default"
+                     : high < 1 ? "faster"
+                     : low > 1  ? "slower"
+                                : "not told apart"},
             {"passesMs", {{"transform", ms * 0.1}, {"fill", ms * 0.6}, {"encode", ms * 0.1}}},
             {"error",
              {{"max", error * 4},
@@ -83,26 +86,22 @@ int main(int count, char** arguments) {
                     {"samples", 1},
                     {"repetitions", 5}};
     m["truth"] = {{"kind", "binary64 oracle"}, {"samples", 16}, {"redone", 3}};
-    m["rows"] = Json::array(
-        {row("shading", "flat", 4, 0.03, nullptr, true), row("shading", "gouraud", 6, 0.011, bounded(0.2), true),
-         row("shading", "phong", 11, 0.002, bounded(0.05), true, true), row("fill", "exact", 11, 0.002, bounded(0.05), false, true),
-         row("samples", "16", 130, 0, nullptr, true), row("specular", "slow", 60, 0.009, bounded(0.15), false),
-         row("control", "default again", 11.2, 0.002, nullptr, true)});
-    m["rows"].push_back({{"axis", "trace"},
-                         {"choice", "depth"},
-                         {"absent", true},
-                         {"why", "nothing is traced"},
-                         {"timeMs", nullptr},
-                         {"error", nullptr}});
+    m["rows"] = Json::array({row("shading", "flat", 4, 0.03, nullptr, true), row("shading", "gouraud", 6, 0.011, bounded(0.2), true),
+                             row("shading", "phong", 11, 0.002, bounded(0.05), true, true),
+                             row("fill", "exact", 11, 0.002, bounded(0.05), false, true), row("samples", "16", 130, 0, nullptr, true),
+                             row("specular", "slow", 60, 0.009, bounded(0.15), false),
+                             row("control", "default again", 11.2, 0.002, nullptr, true)});
+    m["rows"].push_back(
+        {{"axis", "trace"}, {"choice", "depth"}, {"absent", true}, {"why", "nothing is traced"}, {"timeMs", nullptr}, {"error", nullptr}});
     m["front"] = Json::array({{{"axis", "shading"}, {"choice", "flat"}}});
     m["telling"] = {{"confidence", 0.95}, {"rows", 5}, {"confidenceOfRow", 0.99}, {"leastRounds", 8}};
     m["notes"] = {"load 7.00 exceeds 2 cores"};
     m["cut"] = Json::array({{{"axis", "samples"}, {"choice", "64"}, {"why", "no time left"}}});
     const ReportPicture truth = disc("", "", 0, 0);
-    const std::vector<ReportPicture> pictures = {disc("shading", "flat", 4, 1.5),   disc("shading", "gouraud", 12, 0.5),
-                                                 disc("shading", "phong", 60, 0.2), disc("fill", "exact", 60, 0.2),
-                                                 disc("samples", "16", 0, 0),       disc("specular", "slow", 30, 0),
-                                                 disc("control", "default again", 60, 0.2)};
+    const std::vector<ReportPicture> pictures = {
+        disc("shading", "flat", 4, 1.5),          disc("shading", "gouraud", 12, 0.5), disc("shading", "phong", 60, 0.2),
+        disc("fill", "exact", 60, 0.2),           disc("samples", "16", 0, 0),         disc("specular", "slow", 30, 0),
+        disc("control", "default again", 60, 0.2)};
     const std::string html = plumb::reportHtml(m, truth, pictures);
     plumb::writeFileAtomically(arguments[1], std::as_bytes(std::span(html)), false);
     std::printf("%zu bytes\n", html.size());

@@ -7,10 +7,10 @@
 #include "tests/support/ray_scenes.h"
 #include "tests/support/scenes.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <set>
 #include <string>
@@ -39,16 +39,14 @@ struct Emptiness {
 };
 
 std::vector<Emptiness> emptinesses() {
-    Scene beside = oneTriangle(-4, true), away = oneTriangle(-4, false), none = litScene(), far = oneTriangle(-4, true), flat = oneTriangle(-4, true);
+    Scene beside = oneTriangle(-4, true), away = oneTriangle(-4, false), none = litScene(), far = oneTriangle(-4, true),
+          flat = oneTriangle(-4, true);
     beside.objects[0].worldFromObject[3].x = 1000;
     far.camera->near = 8;
     for (glm::vec3& p : flat.meshes[0].positions) p.y = p.x;  // no area
-    return {{"behind the viewer", oneTriangle(4, true), true, true, true},
-            {"beside the view", beside, true, true, true},
-            {"nearer than the near plane", far, false, true, true, false},
-            {"every polygon faces away", away, false, false, true},
-            {"every polygon is of zero area", flat, false, false, false},
-            {"no object", none, true, true, true}};
+    return {{"behind the viewer", oneTriangle(4, true), true, true, true}, {"beside the view", beside, true, true, true},
+            {"nearer than the near plane", far, false, true, true, false}, {"every polygon faces away", away, false, false, true},
+            {"every polygon is of zero area", flat, false, false, false},  {"no object", none, true, true, true}};
 }
 
 uint32_t planesOf(Shading shading) {
@@ -73,7 +71,9 @@ protected:
         EXPECT_EQ(f.coveredPixels, 0u);
         ASSERT_EQ(f.rgba.size(), pixels);
         ASSERT_EQ(f.linear.size(), 3 * pixels);
-        const auto all = [](const auto& values, auto want) { return std::all_of(values.begin(), values.end(), [&](auto v) { return v == want; }); };
+        const auto all = [](const auto& values, auto want) {
+            return std::all_of(values.begin(), values.end(), [&](auto v) { return v == want; });
+        };
         EXPECT_TRUE(all(f.rgba, f.rgba[0])) << "the pixels differ";
         EXPECT_EQ(f.rgba[0] >> 24, request.transparent ? 0u : 255u);
         for (size_t i = 0; i < f.linear.size(); ++i)
@@ -147,7 +147,8 @@ TEST_F(EmptyView, IsTheBackgroundOfSpheresAndPlanes) {
     s.spheres = {ball({0, 0, 30}, 1, 0)};
     s.planes = {floorAt(0, 0, 0, 1)};
     s.planes[0].vMin = 10, s.planes[0].vMax = 20;  // behind the viewer
-    for (const Sampling sampling : {Sampling::grid, Sampling::centre, Sampling::random, Sampling::notes, Sampling::corners, Sampling::adaptive}) {
+    for (const Sampling sampling :
+         {Sampling::grid, Sampling::centre, Sampling::random, Sampling::notes, Sampling::corners, Sampling::adaptive}) {
         SCOPED_TRACE(nameOf(sampling));
         RenderRequest request;
         request.width = kView.width;

@@ -7,11 +7,11 @@
 #include "pipeline/truth/frame_error.h"
 #include "tests/support/device_fixture.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <string>
 #include <utility>
@@ -23,10 +23,11 @@ namespace {
 using glm::dvec3;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kMostWrongTimes = 2;     // of the wrong faces of the same view of the mesh about 0
-constexpr double kLeastAlikeShare = 0.99; // of covered pixels, of a far mesh and its near twin
+constexpr double kMostWrongTimes = 2;      // of the wrong faces of the same view of the mesh about 0
+constexpr double kLeastAlikeShare = 0.99;  // of covered pixels, of a far mesh and its near twin
 
-constexpr std::array<const char*, 5> kMeshes{"suzanne/suzanne.obj", "procedural/torus.obj", "procedural/gear.obj", "apple/apple.ply", "procedural/menger.off"};
+constexpr std::array<const char*, 5> kMeshes{"suzanne/suzanne.obj", "procedural/torus.obj", "procedural/gear.obj", "apple/apple.ply",
+                                             "procedural/menger.off"};
 constexpr std::array<double, 5> kFovs{0.1, 1, 10, 45, 90};
 
 PolygonMesh read(const std::string& name) {
@@ -95,7 +96,8 @@ TEST_F(Far, NoOffsetAndNoFieldOfViewMakesMoreFacesWrongInSilence) {
                     ++warned;
                     continue;
                 }
-                EXPECT_LE(double(wrongFaces(away, request)), kMostWrongTimes * double(wrong)) << fmt::format("{} + 10^{} at {} degrees", name, k, fov);
+                EXPECT_LE(double(wrongFaces(away, request)), kMostWrongTimes * double(wrong))
+                    << fmt::format("{} + 10^{} at {} degrees", name, k, fov);
             }
         }
     }
@@ -127,8 +129,10 @@ RenderRequest requestOf(const Form& form, uint32_t width, uint32_t height) {
     r.shading = form.shading;
     r.fill = form.fill;
     r.wire = form.wire;
-    if (form.shading != Shading::wire) r.trade.numbers = form.numbers;
-    else r.planes = kPlaneColour;
+    if (form.shading != Shading::wire)
+        r.trade.numbers = form.numbers;
+    else
+        r.planes = kPlaneColour;
     return r;
 }
 
@@ -169,7 +173,8 @@ uint64_t differing(const Frame& a, const Frame& b) {
     uint64_t count = 0;
     for (size_t i = 0; i < a.rgba.size(); ++i) {
         int most = 0;
-        for (int shift = 0; shift < 24; shift += 8) most = std::max(most, std::abs(int(a.rgba[i] >> shift & 255) - int(b.rgba[i] >> shift & 255)));
+        for (int shift = 0; shift < 24; shift += 8)
+            most = std::max(most, std::abs(int(a.rgba[i] >> shift & 255) - int(b.rgba[i] >> shift & 255)));
         count += most > 1;
     }
     return count;
@@ -264,7 +269,8 @@ Scene strip(double farthest, double eyeAt) {
     mesh.faceFirst.push_back(0);
     const auto quad = [&](double x, double width) {
         const uint32_t first = uint32_t(mesh.positions.size());
-        for (const auto& [dx, dy] : {std::pair(0.0, 0.0), std::pair(width, 0.0), std::pair(width, 1.0), std::pair(0.0, 1.0)}) mesh.positions.push_back({x + dx + 0.1, dy, 0.0});
+        for (const auto& [dx, dy] : {std::pair(0.0, 0.0), std::pair(width, 0.0), std::pair(width, 1.0), std::pair(0.0, 1.0)})
+            mesh.positions.push_back({x + dx + 0.1, dy, 0.0});
         for (uint32_t i = 0; i < 4; ++i) mesh.corners.push_back({first + i});
         mesh.faceFirst.push_back(uint32_t(mesh.corners.size()));
         mesh.faceMaterial.push_back(kNone);
@@ -330,7 +336,8 @@ TEST_F(Far, NoVertexIsFurtherOffThanTheBoundSays) {
                 long double p[3];
                 for (int j = 0; j < 3; ++j) {
                     p[j] = static_cast<long double>(scene.objects[0].worldFromObject[3][j]) - c.eye[j];
-                    for (int k = 0; k < 3; ++k) p[j] += static_cast<long double>(scene.objects[0].worldFromObject[k][j]) * mesh.statedAt(v)[k];
+                    for (int k = 0; k < 3; ++k)
+                        p[j] += static_cast<long double>(scene.objects[0].worldFromObject[k][j]) * mesh.statedAt(v)[k];
                 }
                 const long double x = focal * p[0] / -p[2] + request.width / 2.0L, y = -focal * p[1] / -p[2] + request.height / 2.0L;
                 if (x < 0 || y < 0 || x > request.width || y > request.height) continue;

@@ -8,13 +8,13 @@
 #include "tests/support/device_fixture.h"
 #include "tests/support/scenes.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <cfenv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <memory>
 #include <string>
@@ -43,7 +43,7 @@ RenderRequest requestOf(const SceneCase& c, Shading shading = Shading::phong, ui
 const SceneCase kSoup{"soupLarge", soupLarge, 131, 67};
 const SceneCase kInside{"inside", inside, 131, 67};
 const SceneCase kSheet{"sheet", sheetOf24, 131, 67};
-const SceneCase kSparse{"sparse", [](View v) { return soup(v, 6, 9, 6); }, 131, 67};   // most tiles are empty
+const SceneCase kSparse{"sparse", [](View v) { return soup(v, 6, 9, 6); }, 131, 67};  // most tiles are empty
 
 class Frames : public DeviceTest {
 protected:
@@ -204,7 +204,8 @@ TEST_F(Frames, AreEqualWhenShadedCoarsely) {
 
 // What the device's own power draws lies within its bound of the twin's, which differs from it: neither is the other by construction.
 TEST_F(Frames, OfTheDevicesOwnFunctionsStayWithinTheirBound) {
-    for (const auto& [row, shading, samples] : {std::tuple(kSoup, Shading::gouraud, 1u), std::tuple(kInside, Shading::flat, 1u), std::tuple(kSoup, Shading::phong, 4u)}) {
+    for (const auto& [row, shading, samples] :
+         {std::tuple(kSoup, Shading::gouraud, 1u), std::tuple(kInside, Shading::flat, 1u), std::tuple(kSoup, Shading::phong, 4u)}) {
         const Scene scene = row.scene();
         RenderRequest request = requestOf(row, shading, samples);
         request.trade.specular = Trade::Specular::native;
@@ -307,7 +308,8 @@ TEST_F(Frames, OfAResidentSceneDoNotDependOnBands) {
                 ASSERT_EQ(picture.height, whole.height);
                 EXPECT_EQ(resident.counters().bands, rows ? (whole.height + rows - 1) / rows : 1u);
                 for (uint32_t y = 0; y < whole.height; ++y)
-                    ASSERT_TRUE(std::equal(picture.pixels + size_t(y) * picture.pitch, picture.pixels + size_t(y) * picture.pitch + whole.width,
+                    ASSERT_TRUE(std::equal(picture.pixels + size_t(y) * picture.pitch,
+                                           picture.pixels + size_t(y) * picture.pitch + whole.width,
                                            whole.rgba.begin() + ptrdiff_t(size_t(y) * whole.width)))
                         << "row " << y;
             }
@@ -361,7 +363,8 @@ TEST_F(Frames, DoNotDependOnTheTwinsThreadsAndBands) {
 
 // Devices whose limits are far below a scene's needs: more chunks and bands, the same bytes.
 TEST_F(Frames, DoNotDependOnLimits) {
-    for (const char* limits : {"storageRange=262144", "texelElements=65536", "storageRange=1048576,texelElements=131072", "groupCount=64"}) {
+    for (const char* limits :
+         {"storageRange=262144", "texelElements=65536", "storageRange=1048576,texelElements=131072", "groupCount=64"}) {
         SCOPED_TRACE(limits);
         const std::unique_ptr<Device> small = DeviceEnvironment::open(limits);
         uint64_t cuts = 0;

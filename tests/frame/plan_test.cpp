@@ -7,9 +7,9 @@
 #include "tests/support/ray_scenes.h"
 #include "tests/support/scenes.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdint>
-#include <fmt/format.h>
 #include <functional>
 #include <set>
 #include <string>
@@ -44,7 +44,8 @@ std::vector<Way> waysOfMeshes() {
                 for (const uint32_t planes : {uint32_t(kPlaneColour), kPlaneColour | kPlaneNormal | kPlaneLinear}) {
                     RenderRequest r = small(shading, fill, samples);
                     r.planes = planes;
-                    ways.push_back({fmt::format("shading {}, fill {}, {} samples, planes {:#x}", int(shading), int(fill), samples, planes), r});
+                    ways.push_back(
+                        {fmt::format("shading {}, fill {}, {} samples, planes {:#x}", int(shading), int(fill), samples, planes), r});
                 }
     for (const WireView view : {WireView::seeThrough, WireView::culled, WireView::solid})
         for (const uint32_t samples : {1u, 4u}) {
@@ -58,7 +59,8 @@ std::vector<Way> waysOfMeshes() {
 std::vector<Way> waysOfRays() {
     std::vector<Way> ways;
     using Sampling = RayChoices::Sampling;
-    for (const Sampling sampling : {Sampling::grid, Sampling::centre, Sampling::random, Sampling::corners, Sampling::adaptive, Sampling::notes}) {
+    for (const Sampling sampling :
+         {Sampling::grid, Sampling::centre, Sampling::random, Sampling::corners, Sampling::adaptive, Sampling::notes}) {
         RenderRequest r = small(Shading::ray);
         r.rays.sampling = sampling;
         ways.push_back({fmt::format("rays, sampling {}", nameOf(sampling)), r});
@@ -100,8 +102,8 @@ TEST_F(PlanOf, MeshesIsWhatRuns) {
     std::set<std::string> everIdle, everRan;
     const View view{kWidth, kHeight};
     const std::vector<std::pair<const char*, std::function<Scene()>>> scenes = {
-        {"inside", [&] { return inside(view); }},                   // crosses the near plane
-        {"soup", [&] { return soup(view, 1, 60, 12); }},            // small triangles, none is cut
+        {"inside", [&] { return inside(view); }},         // crosses the near plane
+        {"soup", [&] { return soup(view, 1, 60, 12); }},  // small triangles, none is cut
         {"large", [&] { return soup(view, 2, 40, 150); }},
         {"outside", [&] {
              Scene s = soup(view, 1, 60, 12);
@@ -123,7 +125,8 @@ TEST_F(PlanOf, MeshesIsWhatRuns) {
     }
     // A step that is idle in one picture runs in another: no statement stands for every picture.
     for (const std::string& step : everIdle) EXPECT_TRUE(everRan.contains(step)) << step << " had nothing to do in any picture";
-    for (const char* step : {"clip", "bin strips", "illuminate", "lines", "scanline", "scanpaint", "resolve"}) EXPECT_TRUE(everRan.contains(step)) << step;
+    for (const char* step : {"clip", "bin strips", "illuminate", "lines", "scanline", "scanpaint", "resolve"})
+        EXPECT_TRUE(everRan.contains(step)) << step;
     EXPECT_TRUE(everIdle.contains("clip"));
 }
 
@@ -154,7 +157,11 @@ TEST(Plan, RefusesWhatIsNoStep) {
     plan.add({"fill", RunsOn::device, "the picture"});
     EXPECT_EQ(refusalOf([&] { Plan(plan).close({{"fill", 1, 1}, {"blur", 1, 1}}); }), "plan: 'blur' ran and is no step of the plan");
     plan.add({"encode", RunsOn::device, "bytes", "fill"});
-    EXPECT_EQ(refusalOf([&] { Plan(plan).close({{"fill", 1, 1}, {"encode", 1, 1}}); }), "plan: 'encode' ran and is no step of the plan") << "it runs in fill";
+    EXPECT_EQ(refusalOf([&] {
+                  Plan(plan).close({{"fill", 1, 1}, {"encode", 1, 1}});
+              }),
+              "plan: 'encode' ran and is no step of the plan")
+        << "it runs in fill";
     EXPECT_EQ(refusalOf([&] { Plan(plan).close({{"fill", 1, 1}}); }), "");
 }
 

@@ -6,15 +6,15 @@
 #include "pipeline/render/render.h"
 #include "pipeline/scene/load.h"
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <fcntl.h>
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <unistd.h>
 #include <utility>
 
 #ifndef PLUMB_FUZZ_EXTENSION
@@ -50,8 +50,7 @@ const std::string& folder() {
 std::string write(const char* name, std::string_view bytes) {
     std::string path = folder() + "/" + name;
     const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    if (file < 0 || ::write(file, bytes.data(), bytes.size()) != ssize_t(bytes.size()) || close(file) != 0)
-        finding("cannot write", path);
+    if (file < 0 || ::write(file, bytes.data(), bytes.size()) != ssize_t(bytes.size()) || close(file) != 0) finding("cannot write", path);
     return path;
 }
 
@@ -91,7 +90,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         const std::string_view rest = text.starts_with(folder()) ? text.substr(folder().size()) : std::string_view();
         if (!rest.starts_with("/fuzz.") && !rest.starts_with("/second.")) finding("names no file", std::string(text));
         const size_t colon = rest.find(':');
-        if (loaded && rest.starts_with("/fuzz.toml") && (colon + 1 >= rest.size() || rest[colon + 1] < '1' || rest[colon + 1] > '9')) finding("names no place", std::string(text));
+        if (loaded && rest.starts_with("/fuzz.toml") && (colon + 1 >= rest.size() || rest[colon + 1] < '1' || rest[colon + 1] > '9'))
+            finding("names no place", std::string(text));
     }
     return 0;
 }

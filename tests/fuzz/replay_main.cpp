@@ -27,14 +27,23 @@ std::string mutated(std::string bytes, std::mt19937& random) {
     for (size_t change = 1 + below(4); change > 0 && !bytes.empty(); --change) {
         const size_t at = below(bytes.size());
         switch (below(5)) {
-        case 0: bytes[at] = char(random()); break;                                   // another byte
-        case 1: bytes[at] = char(uint8_t(bytes[at]) ^ 1u << below(8)); break;         // one bit
-        case 2: bytes.erase(at, 1 + below(8)); break;                                 // a piece lost
-        case 3: bytes.insert(at, bytes.substr(below(bytes.size()), 1 + below(16))); break;  // a piece repeated
-        default: {                                                                    // a word that readers stumble over
-            static constexpr const char* kWords[] = {"-1", "0", "nan", "inf", "1e39", "4294967295", "999999999999", "-", "/", "\n", "\xff\xff\xff\xff", "\""};
-            bytes.insert(at, kWords[below(std::size(kWords))]);
-        }
+            case 0:
+                bytes[at] = char(random());
+                break;  // another byte
+            case 1:
+                bytes[at] = char(uint8_t(bytes[at]) ^ 1u << below(8));
+                break;  // one bit
+            case 2:
+                bytes.erase(at, 1 + below(8));
+                break;  // a piece lost
+            case 3:
+                bytes.insert(at, bytes.substr(below(bytes.size()), 1 + below(16)));
+                break;  // a piece repeated
+            default: {  // a word that readers stumble over
+                static constexpr const char* kWords[] = {
+                    "-1", "0", "nan", "inf", "1e39", "4294967295", "999999999999", "-", "/", "\n", "\xff\xff\xff\xff", "\""};
+                bytes.insert(at, kWords[below(std::size(kWords))]);
+            }
         }
     }
     return bytes;

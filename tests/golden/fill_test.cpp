@@ -57,8 +57,7 @@ std::vector<uint32_t> columnsOf(const ScanCanvas& canvas, int width, int y) {
 
 TEST(GoldenFill, TheTriangleOf13PaintsTheCorrectedLines) {
     const Entry table("s131_fill_table"), lines("s132_fill_triangle_corrected");
-    const Filled f =
-        filled({cornerOf(table.input("A")), cornerOf(table.input("B")), cornerOf(table.input("C"))}, 40, 40);
+    const Filled f = filled({cornerOf(table.input("A")), cornerOf(table.input("B")), cornerOf(table.input("C"))}, 40, 40);
     size_t pixels = 0;
     for (const Json& span : lines.data("spans_y_x0_x1")) {
         const std::vector<uint32_t> columns = columnsOf(f.canvas, 40, span[0].get<int>());
@@ -77,8 +76,7 @@ TEST(GoldenFill, TheTriangleOf13PaintsTheCorrectedLines) {
 TEST(GoldenFill, TheFrontOfThePyramidHasTheRowsOf14) {
     const Entry corners("s142_front_fill_table");
     Entry rows("s143_front_fill_rows");
-    const Filled f =
-        filled({cornerOf(corners.input("A")), cornerOf(corners.input("B1")), cornerOf(corners.input("B4"))}, 400, 400);
+    const Filled f = filled({cornerOf(corners.input("A")), cornerOf(corners.input("B1")), cornerOf(corners.input("B4"))}, 400, 400);
     ASSERT_EQ(f.lines.size(), rows.data("rows").size());
     size_t pixels = 0;
     for (size_t i = 0; i < f.lines.size(); ++i) {
@@ -106,8 +104,7 @@ TEST(GoldenFill, Polygon0CarriesIntensitiesAndNormalsAsIn17) {
             polygon.push_back(cornerOf(display[i]));
             polygon.back().carried =
                 phong ? glm::vec3(vectorOf<glm::dvec3>(normals[i]))
-                      : glm::vec3(float(lights[i][0].get<double>()), float(lights[i][1].get<double>()),
-                                  float(lights[i][2].get<double>()));
+                      : glm::vec3(float(lights[i][0].get<double>()), float(lights[i][1].get<double>()), float(lights[i][2].get<double>()));
         }
         const Filled f = filled(polygon, 400, 400);
         const int first = lines.data("corrected_switch")[0]["y"].get<int>();
@@ -126,8 +123,7 @@ TEST(GoldenFill, Polygon0CarriesIntensitiesAndNormalsAsIn17) {
                     EXPECT_TRUE(within(c.x + c.y + c.z, pixel[3])) << pixel;
                 }
                 const glm::dvec3 n = glm::normalize(glm::dvec3(c));
-                for (int axis = 0; phong && axis < 3; ++axis)
-                    EXPECT_TRUE(within(n[axis], pixel[4][size_t(axis)])) << pixel;
+                for (int axis = 0; phong && axis < 3; ++axis) EXPECT_TRUE(within(n[axis], pixel[4][size_t(axis)])) << pixel;
             }
         }
     }
@@ -158,8 +154,8 @@ GOLDEN(s172_normal_counts) {
     size_t rectangle = 0, cap = 0;
     const TriangleMesh& mesh = scene.meshes[0];
     for (uint32_t face = 0; face < mesh.faceCentre.size(); ++face) {
-        const size_t corners = 2 + size_t(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
-                                                        [&](const auto& t) { return t.face == face; }));
+        const size_t corners =
+            2 + size_t(std::count_if(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) { return t.face == face; }));
         (corners == 4 ? rectangle : cap) += corners;
     }
     e.exactly("surface_normals", gouraud.polygons);
@@ -223,8 +219,10 @@ RenderResult drawnByBoth(const std::string& text) {
 // Points (x, y) at Z = 0, where the notes' viewer changes nothing.
 RenderResult plane(const std::string& faces) {
     return drawnByBoth(
-        "size = [40, 40]\n[camera]\ndistance = 100\n[[mesh]]\nname = \"m\"\nvertices = [[-10, -10], [10, -10], [10, 0], [0, 0], [0, 10], [-10, 10], [10, 10]]\n"
-        "faces = [" + faces + "]\n");
+        "size = [40, 40]\n[camera]\ndistance = 100\n[[mesh]]\nname = \"m\"\nvertices = [[-10, -10], [10, -10], [10, 0], [0, 0], [0, 10], "
+        "[-10, 10], [10, 10]]\n"
+        "faces = [" +
+        faces + "]\n");
 }
 TEST(GoldenFill, ConvexFacesAreOnePolygonConcaveOnesTheirTrianglesAndCrossingOnesRefused) {
     const RenderResult square = plane("[0, 1, 6, 5]"), ell = plane("[0, 1, 2, 3, 4, 5]");
@@ -232,8 +230,7 @@ TEST(GoldenFill, ConvexFacesAreOnePolygonConcaveOnesTheirTrianglesAndCrossingOne
     EXPECT_EQ(square.frame.coveredPixels, 21u * 21u) << "both ends of 20 pixels";
     EXPECT_GT(ell.counters.drawnTriangles, 1u);
     EXPECT_EQ(ell.counters.polygons, 1u);
-    EXPECT_EQ(ell.frame.coveredPixels, 21u * 11u + 11u * 10u)
-        << "an L without gap; shared edges are painted twice, seen once";
+    EXPECT_EQ(ell.frame.coveredPixels, 21u * 11u + 11u * 10u) << "an L without gap; shared edges are painted twice, seen once";
     EXPECT_THROW(plane("[0, 1, 5, 6]"), Error) << "a bow tie";
     EXPECT_THROW(plane("[0, 1]"), Error);
 }
@@ -252,10 +249,12 @@ size_t holes(const Frame& frame, uint32_t width) {
 }
 TEST(GoldenFill, NoHoleWhereAColumnPassesAPowerOfTwo) {
     const RenderResult triangle = drawnByBoth(
-        "size = [640, 480]\n[camera]\ndistance = 500\n[[mesh]]\nname = \"t\"\nvertices = [[-66, 135], [-55, 128], [-64, 147]]\nfaces = [[0, 1, 2]]\n");
+        "size = [640, 480]\n[camera]\ndistance = 500\n[[mesh]]\nname = \"t\"\nvertices = [[-66, 135], [-55, 128], [-64, 147]]\nfaces = "
+        "[[0, 1, 2]]\n");
     EXPECT_EQ(holes(triangle.frame, 640), 0u);
     // Row 96 runs from exactly 255 1/2, which is column 256, to 257.42.
-    for (const uint32_t column : {255, 256, 257, 258}) EXPECT_EQ(triangle.frame.object[96 * 640 + column], column == 256 || column == 257 ? 0u : kNone) << column;
+    for (const uint32_t column : {255, 256, 257, 258})
+        EXPECT_EQ(triangle.frame.object[96 * 640 + column], column == 256 || column == 257 ? 0u : kNone) << column;
     for (const glm::uvec2 size : {glm::uvec2(320, 240), glm::uvec2(640, 480), glm::uvec2(1280, 960)}) {
         Scene scene = loadScene({PLUMB_SOURCE_DIR "/scenes/procedural/icosphere.ply"}, {});
         completeScene(scene, size, "", false);
@@ -274,9 +273,10 @@ TEST(GoldenFill, NoHoleWhereAColumnPassesAPowerOfTwo) {
 // fraction of X lies between 0 and 1/2. No row gains a pixel, and along the diagonal none is lost.
 TEST(GoldenFill, ARectangleIsItsTwoTrianglesButForItsRightColumn) {
     const auto rectangle = [](int width, int height, const char* faces) {
-        return drawnByBoth(fmt::format(
-            "size = [160, 120]\n[camera]\ndistance = 100\n[[mesh]]\nname = \"m\"\nvertices = [[-{0}, -{1}], [{0}, -{1}], [{0}, {1}], [-{0}, {1}]]\nfaces = {2}\n",
-            width / 2, height / 2, faces)).frame;
+        return drawnByBoth(fmt::format("size = [160, 120]\n[camera]\ndistance = 100\n[[mesh]]\nname = \"m\"\nvertices = [[-{0}, -{1}], "
+                                       "[{0}, -{1}], [{0}, {1}], [-{0}, {1}]]\nfaces = {2}\n",
+                                       width / 2, height / 2, faces))
+            .frame;
     };
     const char *whole = "[[0, 1, 2, 3]]", *rising = "[[0, 1, 2], [0, 2, 3]]", *falling = "[[0, 1, 3], [1, 2, 3]]";
     const Frame one = rectangle(110, 90, whole);
@@ -305,9 +305,11 @@ TEST(GoldenFill, ARectangleIsItsTwoTrianglesButForItsRightColumn) {
 TEST(GoldenFill, AFloorBehindTheViewerIsDrawnToTheCanvas) {
     constexpr double kDistance = 500, kBelow = 100;
     for (const double near : {1.0, 0.001}) {
-        const RenderResult r = drawnByBoth(fmt::format(
-            "size = [320, 240]\n[camera]\ndistance = 500\nnear = {}\n[[mesh]]\nname = \"floor\"\nvertices = [[-3000, -100, -9000], [3000, -100, -9000], [3000, -100, 4000], [-3000, -100, 4000]]\n"
-            "faces = [[0, 1, 2, 3]]\n", near));
+        const RenderResult r =
+            drawnByBoth(fmt::format("size = [320, 240]\n[camera]\ndistance = 500\nnear = {}\n[[mesh]]\nname = \"floor\"\nvertices = "
+                                    "[[-3000, -100, -9000], [3000, -100, -9000], [3000, -100, 4000], [-3000, -100, 4000]]\n"
+                                    "faces = [[0, 1, 2, 3]]\n",
+                                    near));
         EXPECT_EQ(r.counters.drawnTriangles, 1u);
         size_t rows = 0;
         for (uint32_t y = 121; y < 240; ++y) {

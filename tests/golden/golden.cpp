@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests/golden/golden.h"
 
-
-#include <algorithm>
 #include <fmt/core.h>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -22,8 +21,7 @@ std::set<std::string>& names() {
 // First place where `got` is not within `allowed` of `want`; empty: none. NaN is never within.
 std::string difference(const Json& got, const Json& want, double allowed, bool relative, const std::string& at = "") {
     if (want.is_array()) {
-        if (!got.is_array() || got.size() != want.size())
-            return fmt::format("{}: shape differs: {} for {}", at, got.dump(), want.dump());
+        if (!got.is_array() || got.size() != want.size()) return fmt::format("{}: shape differs: {} for {}", at, got.dump(), want.dump());
         for (size_t i = 0; i < want.size(); ++i) {
             std::string fault = difference(got[i], want[i], allowed, relative, fmt::format("{}[{}]", at, i));
             if (!fault.empty()) return fault;
@@ -35,8 +33,7 @@ std::string difference(const Json& got, const Json& want, double allowed, bool r
     const double x = got.get<double>(), y = want.get<double>();
     const double bound = relative ? allowed * std::max(1.0, std::abs(y)) : allowed;
     if (std::abs(x - y) <= bound) return {};
-    return fmt::format("{}: {:.17g} instead of {:.17g}, off by {:.3g}, allowed {:.3g}", at, x, y, std::abs(x - y),
-                       bound);
+    return fmt::format("{}: {:.17g} instead of {:.17g}, off by {:.3g}, allowed {:.3g}", at, x, y, std::abs(x - y), bound);
 }
 
 // "0.1234" as a number; the elements of `printed` are strings.
@@ -122,8 +119,7 @@ TEST(GoldenFile, EveryEntryHasATest) {
         EXPECT_TRUE(inFile.insert(id).second) << id << " stands twice in the file";
         EXPECT_TRUE(registered().contains(id)) << id << " has no test";
     }
-    for (const std::string& id : registered())
-        EXPECT_TRUE(inFile.contains(id)) << "a test names " << id << ", which the file has not";
+    for (const std::string& id : registered()) EXPECT_TRUE(inFile.contains(id)) << "a test names " << id << ", which the file has not";
     std::printf("%zu entries, %zu with a test\n", inFile.size(), registered().size());
 }
 
@@ -150,8 +146,7 @@ TEST(GoldenFile, CountsAreThoseThatItStates) {
     const Json& counts = file()["counts"];
     EXPECT_EQ(file()["examples"].size(), counts["examples"].get<size_t>());
     EXPECT_EQ(checks, counts["checks"].get<size_t>());
-    for (const char* kind : {"worked", "claim", "derived", "scene"})
-        EXPECT_EQ(kinds[kind], counts[kind].get<size_t>()) << kind;
+    for (const char* kind : {"worked", "claim", "derived", "scene"}) EXPECT_EQ(kinds[kind], counts[kind].get<size_t>()) << kind;
 }
 
 // `printed` is evidence about the notes, not about us: it lies within half a unit of its last digit exactly where the file says so.
@@ -166,8 +161,7 @@ TEST(GoldenFile, PrintedValuesDisagreeWhereTheFileSaysSo) {
             if (!c["agrees"].get<bool>()) disagree.emplace(id, name);
         }
     std::set<std::pair<std::string, std::string>> stated;
-    for (const Json& row : file()["printed_values_that_disagree"])
-        stated.emplace(row[0].get<std::string>(), row[1].get<std::string>());
+    for (const Json& row : file()["printed_values_that_disagree"]) stated.emplace(row[0].get<std::string>(), row[1].get<std::string>());
     EXPECT_EQ(disagree, stated);
 }
 

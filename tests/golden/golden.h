@@ -51,8 +51,7 @@ const std::set<std::string>& registered();
 template <class Vector>
 Vector vectorOf(const Json& list) {
     Vector v(0);
-    for (int i = 0; i < Vector::length() && i < int(list.size()); ++i)
-        v[i] = list[size_t(i)].get<typename Vector::value_type>();
+    for (int i = 0; i < Vector::length() && i < int(list.size()); ++i) v[i] = list[size_t(i)].get<typename Vector::value_type>();
     return v;
 }
 template <class Vector>

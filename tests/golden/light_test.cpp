@@ -3,10 +3,10 @@
 // pass (device and twin, equal bytes) where the pass computes it.
 #include "pipeline/passes/encode.h"
 #include "pipeline/render/render.h"
+#include "pipeline/scene/colour.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/transform/matrix.h"
 #include "pipeline/transform/vector.h"
-#include "pipeline/scene/colour.h"
 #include "tests/golden/golden.h"
 #include "tests/golden/lit.h"
 #include "tests/golden/notes_fill.h"
@@ -56,12 +56,9 @@ Model illuminated(const dvec3& normal, const dvec3& light, const dvec3& view, co
 }
 
 gpu::MaterialRecord grey(double base, double kd, double ks, double index) {
-    return {glm::vec3(float(base)),   float(index),         glm::vec3(float(kd)),
-            index == 0 ? 1.0f : 0.0f, glm::vec3(float(ks)), 0};
+    return {glm::vec3(float(base)), float(index), glm::vec3(float(kd)), index == 0 ? 1.0f : 0.0f, glm::vec3(float(ks)), 0};
 }
-gpu::LightRecord directional(const dvec3& toLight, double ip) {
-    return {glm::vec3(unitVector(toLight)), 0, glm::vec3(float(ip)), 0};
-}
+gpu::LightRecord directional(const dvec3& toLight, double ip) { return {glm::vec3(unitVector(toLight)), 0, glm::vec3(float(ip)), 0}; }
 // A grey point by the pass.
 double byPass(const dvec3& normal, const dvec3& light, const dvec3& view, const Surface& s) {
     return double(lit({{normal, view}}, {grey(s.ia * s.kd, s.kd, s.ks, s.index)}, {directional(light, s.ip)})[0].x);
@@ -158,8 +155,8 @@ GOLDEN(s163_attenuation_choices) {
     for (int power = 0; power < 3; ++power) {
         e.binary64(names[power], ip * kd * nl / std::pow(d, power));
         // A lamp at distance d along the normal (N.L = 1); the surface stands one unit before the eye.
-        const std::vector<glm::vec4> c = lit({{{0, 0, 1}, {0, 0, 1}}}, {grey(0, kd, 0, 1)},
-                                             {{glm::vec3(0, 0, float(d) - 1), 1, glm::vec3(float(ip)), float(power)}});
+        const std::vector<glm::vec4> c =
+            lit({{{0, 0, 1}, {0, 0, 1}}}, {grey(0, kd, 0, 1)}, {{glm::vec3(0, 0, float(d) - 1), 1, glm::vec3(float(ip)), float(power)}});
         e.float32(names[power], c[0].x);
     }
 }
@@ -216,8 +213,7 @@ struct Spheres {
     int centreX(int column) const { return number("xCenter_first") + column * number("pitch"); }
     int centreY(int row) const { return number("yCenter_first") + row * number("pitch"); }
     Surface surface(int row, int column) const {
-        return {real("Ia"), real("Ip"), entry.input("Kd")[size_t(column)].get<double>(),
-                entry.input("Ks")[size_t(column)].get<double>(),
+        return {real("Ia"), real("Ip"), entry.input("Kd")[size_t(column)].get<double>(), entry.input("Ks")[size_t(column)].get<double>(),
                 entry.input("specIndex_per_row")[size_t(row)].get<double>()};
     }
     bool inside(int x, int y) const { return x * x + y * y <= radius * radius; }
@@ -256,7 +252,9 @@ GOLDEN(s165_20_spheres_pixels) {
     const Frame twin = renderCpu(scene, request).frame, device = renderGpu(*test::DeviceEnvironment::device(), scene, request).frame;
     test::expectSameFrame(twin, device);
     EXPECT_EQ(s.entry.input("canvas"), Json({twin.width, twin.height}));
-    const auto byteAt = [&](int px, int py, int channel) { return int(twin.rgba[size_t(py) * twin.width + size_t(px)] >> (8 * channel) & 255u); };
+    const auto byteAt = [&](int px, int py, int channel) {
+        return int(twin.rgba[size_t(py) * twin.width + size_t(px)] >> (8 * channel) & 255u);
+    };
     // Every pixel by the formula in binary64, and nothing is drawn elsewhere. A byte may differ only where the formula is as near to a half as float32 is
     // to the formula; on a half that no light was added to (0.3 times 255 is 76.5) it may not, both round it to the even byte.
     uint64_t covered = 0, onAHalf = 0;
@@ -264,7 +262,8 @@ GOLDEN(s165_20_spheres_pixels) {
         for (int column = 0; column < s.number("columns"); ++column)
             s.eachPixel([&](int x, int y) {
                 const Model m = illuminated(s.normal(x, y), s.vector("L"), s.vector("V"), s.surface(row, column));
-                const int bytes[] = {byteOf(m.specular), byteOf(m.sum()), byteOf(m.specular)}, px = s.centreX(column) + x, py = s.centreY(row) - y;
+                const int bytes[] = {byteOf(m.specular), byteOf(m.sum()), byteOf(m.specular)}, px = s.centreX(column) + x,
+                          py = s.centreY(row) - y;
                 const double values[] = {m.specular, m.sum(), m.specular};
                 for (int i = 0; i < 3; ++i) {
                     const double beyond = 255 * values[i] - std::floor(255 * values[i]) - 0.5;  // of the half
@@ -279,8 +278,7 @@ GOLDEN(s165_20_spheres_pixels) {
     EXPECT_EQ(twin.coveredPixels, covered);
     EXPECT_GT(onAHalf, 1000u) << "the unlit pixels of the fifth column";
     for (const Json& sample : samples) {
-        const int row = sample[0].get<int>(), column = sample[1].get<int>(), px = sample[2].get<int>(),
-                  py = sample[3].get<int>();
+        const int row = sample[0].get<int>(), column = sample[1].get<int>(), px = sample[2].get<int>(), py = sample[3].get<int>();
         const int x = px - s.centreX(column), y = s.centreY(row) - py;
         ASSERT_TRUE(s.inside(x, y));
         EXPECT_EQ(s.z(x, y), sample[5].get<int>());
@@ -288,8 +286,7 @@ GOLDEN(s165_20_spheres_pixels) {
         const double want[] = {sample[8].get<double>(), sample[9].get<double>(), sample[10].get<double>()},
                      got[] = {m.ambient, m.diffuse, m.specular};
         for (int i = 0; i < 3; ++i)
-            EXPECT_LE(std::abs(got[i] - want[i]), tolerance().binary64 * std::max(1.0, std::abs(want[i])))
-                << sample.dump();
+            EXPECT_LE(std::abs(got[i] - want[i]), tolerance().binary64 * std::max(1.0, std::abs(want[i]))) << sample.dump();
         EXPECT_EQ(sample[4], Json({byteOf(m.specular), byteOf(m.sum()), byteOf(m.specular)})) << sample.dump();
         for (int i = 0; i < 3; ++i)
             EXPECT_LE(std::abs(byteAt(px, py, i) - sample[4][size_t(i)].get<int>()), tolerance().colourLevels) << sample.dump();
@@ -335,11 +332,9 @@ GOLDEN(s165_hex_code) {
     }
     e.exactly("byte", bytes);
     const Json& tri = e.data("tri_example");
-    const double specular = tri["specular"].get<double>(),
-                 sum = tri["ambient"].get<double>() + tri["diffuse"].get<double>() + specular;
+    const double specular = tri["specular"].get<double>(), sum = tri["ambient"].get<double>() + tri["diffuse"].get<double>() + specular;
     char colour[32];
-    std::snprintf(colour, sizeof colour, "#%02x%02x%02x", unsigned(byteOf(specular)), unsigned(byteOf(sum)),
-                  unsigned(byteOf(specular)));
+    std::snprintf(colour, sizeof colour, "#%02x%02x%02x", unsigned(byteOf(specular)), unsigned(byteOf(sum)), unsigned(byteOf(specular)));
     EXPECT_EQ(tri["colour"], colour);
 }
 
@@ -364,8 +359,7 @@ struct Cylinder {
 };
 Cylinder cylinder() {
     const Entry e("s171_cylinder_vertices");
-    const double half = e.input("X").get<double>() / 2, y = e.input("X").get<double>() / std::numbers::sqrt2,
-                 wide = half + y;
+    const double half = e.input("X").get<double>() / 2, y = e.input("X").get<double>() / std::numbers::sqrt2, wide = half + y;
     const glm::dvec2 ring[] = {{-half, wide}, {half, wide},   {wide, half},   {wide, -half},
                                {half, -wide}, {-half, -wide}, {-wide, -half}, {-wide, half}};
     Cylinder c;
@@ -440,15 +434,15 @@ struct Polygon0 {
         // "X axis -45 degrees then Y axis 30 degrees about (0,0,250)"
         double turnX = 0, turnY = 0;
         dvec3 centre;
-        EXPECT_EQ(std::sscanf(e.input("inplace_rotation").get<std::string>().c_str(),
-                              "X axis %lf degrees then Y axis %lf degrees about (%lf,%lf,%lf)", &turnX, &turnY,
-                              &centre.x, &centre.y, &centre.z),
-                  5);
+        EXPECT_EQ(
+            std::sscanf(e.input("inplace_rotation").get<std::string>().c_str(),
+                        "X axis %lf degrees then Y axis %lf degrees about (%lf,%lf,%lf)", &turnX, &turnY, &centre.x, &centre.y, &centre.z),
+            5);
         const glm::dmat4 turn = rotationY(turnY) * rotationX(turnX);
         light = vectorOf<dvec3>(e.input("L"));
         view = vectorOf<dvec3>(e.input("V"));
-        surface = {e.input("Ia").get<double>(), e.input("Ip").get<double>(), e.input("Kd").get<double>(),
-                   e.input("Ks").get<double>(), e.input("specIndex").get<double>()};
+        surface = {e.input("Ia").get<double>(), e.input("Ip").get<double>(), e.input("Kd").get<double>(), e.input("Ks").get<double>(),
+                   e.input("specIndex").get<double>()};
         d = e.input("d").get<double>();
         const std::pair<dvec3, size_t> corners[] = {{c.front[0], 0}, {c.back[0], 0}, {c.back[1], 1}, {c.front[1], 1}};
         for (const auto& [p, i] : corners) {
@@ -471,8 +465,7 @@ struct Polygon0 {
     double d = 0;
 };
 void near(double got, const Json& want, const std::string& what) {
-    EXPECT_LE(std::abs(got - want.get<double>()), tolerance().binary64 * std::max(1.0, std::abs(want.get<double>())))
-        << what;
+    EXPECT_LE(std::abs(got - want.get<double>()), tolerance().binary64 * std::max(1.0, std::abs(want.get<double>()))) << what;
 }
 GOLDEN(s172_gouraud_setup_polygon0) {
     const Polygon0 p(e);
@@ -484,10 +477,9 @@ GOLDEN(s172_gouraud_setup_polygon0) {
     for (size_t i = 0; i < 4; ++i) {
         display.push_back({p.polygon[i].x, p.polygon[i].y, p.polygon[i].values[0]});
         lights.push_back({p.lights[i].ambient, p.lights[i].diffuse, p.lights[i].specular});
-        const Surface diffuse{0, p.surface.ip, p.surface.kd, 0, 1},
-            specular{0, p.surface.ip, 0, p.surface.ks, p.surface.index};
-        pass.push_back({p.surface.ia * p.surface.kd, byPass(p.normals[i], p.light, p.view, diffuse),
-                        byPass(p.normals[i], p.light, p.view, specular)});
+        const Surface diffuse{0, p.surface.ip, p.surface.kd, 0, 1}, specular{0, p.surface.ip, 0, p.surface.ks, p.surface.index};
+        pass.push_back(
+            {p.surface.ia * p.surface.kd, byPass(p.normals[i], p.light, p.view, diffuse), byPass(p.normals[i], p.light, p.view, specular)});
     }
     e.binary64("display_rounded", display);
     e.binary64("ambient_diffuse_specular", lights);
@@ -524,8 +516,7 @@ GOLDEN(s173_phong_setup_polygon0) {
             near(line.leftX, row["left"]["X"], "left X");
             near(line.rightX, row["right"]["X"], "right X");
             for (size_t k = 0; k < 6; ++k)
-                near(line.left[k], row["left"][names[k]], names[k]),
-                    near(line.right[k], row["right"][names[k]], names[k]);
+                near(line.left[k], row["left"][names[k]], names[k]), near(line.right[k], row["right"][names[k]], names[k]);
             EXPECT_EQ(notesPixels(line), row["pixel_count"].get<int>()) << key << ", line " << row["y"];
             const double across = line.rightX - line.leftX;
             std::vector<double> values = line.left;
@@ -541,8 +532,7 @@ GOLDEN(s173_phong_setup_polygon0) {
                         for (int axis = 0; axis < 3; ++axis) near(n[axis], pixel[4][size_t(axis)], "normal");
                         near(illuminated(n, p.light, p.view, p.surface).sum(), pixel[5], "Phong");
                         const float pass = float(byPass(n, p.light, p.view, p.surface));
-                        EXPECT_LE(std::abs(double(pass) - pixel[5].get<double>()), tolerance().float32)
-                            << "Phong by the pass";
+                        EXPECT_LE(std::abs(double(pass) - pixel[5].get<double>()), tolerance().float32) << "Phong by the pass";
                     }
                 for (size_t k = 0; k < 6; ++k) values[k] += across != 0 ? (line.right[k] - line.left[k]) / across : 0;
             }

@@ -11,11 +11,11 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/twin/scanline_support.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <fmt/core.h>
 #include <fstream>
 #include <glm/glm.hpp>
 #include <map>
@@ -110,17 +110,14 @@ TEST(Modes, PointsInsideAnEdgeProjectOntoTheLineButNotAtTheSameShare) {
 TEST(Modes, TheMidpointOfATransformedEdgeIsTheTransformedMidpoint) {
     const dvec3 a(1, -2, 5), b(7, 4, -3);
     // Whole numbers, eighths and quarter turns are exact.
-    for (const Step3& step : {translateStep(dvec3(3, -8, 0.5)), scaleStep(dvec3(2, 0.25, -4)), rotateXStep(90),
-                              rotateYStep(180), rotateZStep(270)})
-        EXPECT_EQ(transformed(step.matrix, (a + b) / 2.0),
-                  (transformed(step.matrix, a) + transformed(step.matrix, b)) / 2.0)
-            << step.name;
+    for (const Step3& step :
+         {translateStep(dvec3(3, -8, 0.5)), scaleStep(dvec3(2, 0.25, -4)), rotateXStep(90), rotateYStep(180), rotateZStep(270)})
+        EXPECT_EQ(transformed(step.matrix, (a + b) / 2.0), (transformed(step.matrix, a) + transformed(step.matrix, b)) / 2.0) << step.name;
     for (const Step3& step : {rotateXStep(33), rotateYStep(-71), rotateStep(glm::normalize(dvec3(1, 2, -2)), 50)}) {
         const dvec3 middle = transformed(step.matrix, (a + b) / 2.0),
                     mean = (transformed(step.matrix, a) + transformed(step.matrix, b)) / 2.0;
         for (int i = 0; i < 3; ++i)
-            EXPECT_LE(std::abs(middle[i] - mean[i]), tolerance().binary64 * std::max(1.0, std::abs(mean[i])))
-                << step.name;
+            EXPECT_LE(std::abs(middle[i] - mean[i]), tolerance().binary64 * std::max(1.0, std::abs(mean[i]))) << step.name;
     }
 }
 
@@ -179,8 +176,8 @@ std::string crossing(bool swapped) {
         return fmt::format("[[mesh]]\nname = '{}'\nvertices = [{}]\nfaces = [[0, 1, 2]]\n", name, corners);
     };
     const auto object = [](const char* name) { return fmt::format("[[object]]\nmesh = '{}'\n", name); };
-    return "handedness = 'left'\ncull = false\n[camera]\ndistance = 256\nnear = 1\n" + mesh("a", 0.25, 0.125) +
-           mesh("b", -0.125, 0.25) + (swapped ? object("b") + object("a") : object("a") + object("b"));
+    return "handedness = 'left'\ncull = false\n[camera]\ndistance = 256\nnear = 1\n" + mesh("a", 0.25, 0.125) + mesh("b", -0.125, 0.25) +
+           (swapped ? object("b") + object("a") : object("a") + object("b"));
 }
 TEST(Modes, IntersectingTrianglesShowTheirLineInAnyDrawingOrder) {
     // The notes round corners to whole pixels: each plane moves by sqrt(1/2) of a pixel at most, and with gradients gA and gB their line by
@@ -195,12 +192,10 @@ TEST(Modes, IntersectingTrianglesShowTheirLineInAnyDrawingOrder) {
             for (uint32_t y = 0; y < size.y; ++y)
                 for (uint32_t x = 0; x < size.x; ++x) {
                     const double centre = fill == Fill::exact ? 0.5 : 0;
-                    const double side =
-                        3 * (double(x) + centre - 100) - (80 - double(y) - centre);  // below 0: a is nearer
+                    const double side = 3 * (double(x) + centre - 100) - (80 - double(y) - centre);  // below 0: a is nearer
                     if (fill == Fill::exact ? side == 0 : std::abs(side) / std::sqrt(10) <= moved) continue;
                     ++judged;
-                    ASSERT_EQ(frame.object[y * size.x + x], (side < 0) != swapped ? 0u : 1u)
-                        << x << ' ' << y << " fill " << int(fill);
+                    ASSERT_EQ(frame.object[y * size.x + x], (side < 0) != swapped ? 0u : 1u) << x << ' ' << y << " fill " << int(fill);
                 }
             EXPECT_GT(judged, size.x * size.y * 9 / 10);
         }
@@ -249,8 +244,7 @@ std::string twoCards(bool swapped) {
     };
     return "handedness = 'left'\n[camera]\ndistance = 256\nnear = 1\n" + card("near", 50, 10) + card("far", 50.25, 60) +
            card("wide", 90, 200) +
-           (swapped ? object("wide") + object("far") + object("near")
-                    : object("near") + object("far") + object("wide"));
+           (swapped ? object("wide") + object("far") + object("near") : object("near") + object("far") + object("wide"));
 }
 TEST(Modes, HiddenLinesAreNotDrawnWhateverTheOrder) {
     const glm::uvec2 size(200, 160);
@@ -290,9 +284,8 @@ double largestDifference(const Frame& a, const Frame& b) {
     return double(most);
 }
 TEST(Modes, ADistantViewerIsTheLimitOfOneFarAway) {
-    for (const auto& [fill, shading] :
-         {std::pair(Fill::exact, Shading::flat), std::pair(Fill::exact, Shading::gouraud),
-          std::pair(Fill::exact, Shading::phong), std::pair(Fill::notes, Shading::phong)}) {
+    for (const auto& [fill, shading] : {std::pair(Fill::exact, Shading::flat), std::pair(Fill::exact, Shading::gouraud),
+                                        std::pair(Fill::exact, Shading::phong), std::pair(Fill::notes, Shading::phong)}) {
         double before = INFINITY;
         for (const double d : {500.0, 5000.0}) {
             Scene scene = sceneOf(replaced(textOf("cylinder.toml"), "distance = 500", fmt::format("distance = {}", d)));
@@ -316,8 +309,7 @@ TEST(Modes, ADistantViewerSeesThePolygonsOfAFarOne) {
         const RenderResult result = drawn(sceneOf(text), r);
         return std::pair(result.counters.culledBackFace, seenIn(result.frame.primitive));
     };
-    const std::string cylinder = textOf("cylinder.toml"),
-                      far = replaced(cylinder, "distance = 500", "distance = 4194304");
+    const std::string cylinder = textOf("cylinder.toml"), far = replaced(cylinder, "distance = 500", "distance = 4194304");
     EXPECT_EQ(seen(far, true), seen(far, false));
     // The pyramid's Left and Right are edge-on to the distant viewer, and edge-on is not visible.
     const std::string pyramid = textOf("pyramid.toml");
@@ -330,25 +322,20 @@ TEST(Modes, AnAreaLightIsItsPoints) {
     const std::string scene = textOf("lamp-and-occluder.toml");
     const glm::uvec2 size(160, 120);
     const size_t begin = scene.find("[[light]]"), end = scene.find("[[material]]");
-    const auto with = [&](const std::string& lights) {
-        return sceneOf(scene.substr(0, begin) + lights + scene.substr(end), size);
-    };
+    const auto with = [&](const std::string& lights) { return sceneOf(scene.substr(0, begin) + lights + scene.substr(end), size); };
     const auto line = [](const std::string& rest) {
         return "[[light]]\ntype = 'area'\nposition = [-1, 4, 0.5]\nedge_u = [4, 0, 0]\nintensity = 2\nattenuation = "
                "'1/d^2'\n" +
                rest + "\n";
     };
     const auto point = [](double x, double intensity) {
-        return fmt::format(
-            "[[light]]\ntype = 'point'\nposition = [{}, 4, 0.5]\nintensity = {}\nattenuation = '1/d^2'\n", x,
-            intensity);
+        return fmt::format("[[light]]\ntype = 'point'\nposition = [{}, 4, 0.5]\nintensity = {}\nattenuation = '1/d^2'\n", x, intensity);
     };
     for (const Shading shading : {Shading::phong, Shading::ray}) {
         RenderRequest r = requestOf(shading, Fill::exact, size);
         if (shading == Shading::ray) r.planes &= ~uint32_t(kPlaneTriangle);
         const Frame area = drawn(with(line("points = 4")), r).frame;
-        expectSameFrame(area,
-                        drawn(with(point(-0.5, 0.5) + point(0.5, 0.5) + point(1.5, 0.5) + point(2.5, 0.5)), r).frame);
+        expectSameFrame(area, drawn(with(point(-0.5, 0.5) + point(0.5, 0.5) + point(1.5, 0.5) + point(2.5, 0.5)), r).frame);
         std::string coincident;
         constexpr int kCoincident = 16;
         for (int i = 0; i < kCoincident; ++i) coincident += point(1, 2.0 / kCoincident);
@@ -375,8 +362,7 @@ TEST(Modes, ALampBehindAnOccluderLightsTheFloorUnlessRaysAreSent) {
         for (size_t i = 0; i < a.object.size(); ++i)
             if (a.object[i] == 0) {
                 differing += a.rgba[i] != b.rgba[i];
-                shares.insert(std::round(16 * (a.linear[3 * i] - 0.06f) /
-                                         (b.linear[3 * i] - 0.06f)));  // Ka Ia of the floor is 0.06
+                shares.insert(std::round(16 * (a.linear[3 * i] - 0.06f) / (b.linear[3 * i] - 0.06f)));  // Ka Ia of the floor is 0.06
             }
         return std::pair(differing, shares);
     };
@@ -410,9 +396,7 @@ std::vector<ShadingError> errorsAgainstTheCylinder(const Scene& scene) {
         if (hit.z < 50 || hit.z > 450) return std::nullopt;
         const dvec3 n = glm::normalize(dvec3(world * dvec4(hit.x, hit.y, 0, 0))), v = glm::normalize(-ray);
         const double nl = glm::dot(n, toLight), rv = glm::dot(2 * nl * n - toLight, v);
-        const dvec3 lit =
-            nl > 0 ? dvec3(m.diffuse) * nl + dvec3(m.specular) * std::pow(std::max(0.0, rv), double(m.shininess))
-                   : dvec3(0);
+        const dvec3 lit = nl > 0 ? dvec3(m.diffuse) * nl + dvec3(m.specular) * std::pow(std::max(0.0, rv), double(m.shininess)) : dvec3(0);
         return dvec3(m.ambient) * dvec3(scene.ambient) + dvec3(scene.lights[0].intensity) * lit;
     };
     std::vector<ShadingError> errors;
@@ -425,16 +409,15 @@ std::vector<ShadingError> errorsAgainstTheCylinder(const Scene& scene) {
                 const size_t at = y * 400 + x;
                 const std::optional<dvec3> want = truth(x + 0.5, y + 0.5);
                 if (!want || result.frame.primitive[at] >= 8) continue;  // a cap, or nothing, on one of the two
-                for (int i = 0; i < 3; ++i)
-                    sum += std::pow(double(result.frame.linear[3 * at + size_t(i)]) - (*want)[i], 2);
+                for (int i = 0; i < 3; ++i) sum += std::pow(double(result.frame.linear[3 * at + size_t(i)]) - (*want)[i], 2);
                 count += 3;
             }
         EXPECT_GT(count, 30000u);
         errors.push_back({std::sqrt(sum / double(count)), result.counters.illuminations});
     }
-    std::printf("rms error against the cylinder: flat %.4f, Gouraud %.4f, Phong %.4f; illuminations %lu, %lu, %lu\n",
-                errors[0].rms, errors[1].rms, errors[2].rms, static_cast<unsigned long>(errors[0].cost),
-                static_cast<unsigned long>(errors[1].cost), static_cast<unsigned long>(errors[2].cost));
+    std::printf("rms error against the cylinder: flat %.4f, Gouraud %.4f, Phong %.4f; illuminations %lu, %lu, %lu\n", errors[0].rms,
+                errors[1].rms, errors[2].rms, static_cast<unsigned long>(errors[0].cost), static_cast<unsigned long>(errors[1].cost),
+                static_cast<unsigned long>(errors[2].cost));
     return errors;
 }
 TEST(Modes, ErrorAndCostOfFlatGouraudAndPhongAreOrderedAgainstTheAnalyticCylinder) {
@@ -457,8 +440,7 @@ TEST(Modes, ErrorAndCostOfFlatGouraudAndPhongAreOrderedAgainstTheAnalyticCylinde
 // Section 2: vertices are shared, so that moving the top A moves the four faces that meet there, and not the Base.
 TEST(Modes, MovingOneVertexMovesEveryFaceThatHasIt) {
     const std::string text = textOf("pyramid.toml");
-    const TriangleMesh before = sceneOf(text).meshes[0],
-                       after = sceneOf(replaced(text, "[  0, -100, 100]", "[  0, -90, 100]")).meshes[0];
+    const TriangleMesh before = sceneOf(text).meshes[0], after = sceneOf(replaced(text, "[  0, -100, 100]", "[  0, -90, 100]")).meshes[0];
     ASSERT_EQ(before.faceCentre.size(), 5u);
     for (size_t face = 0; face < 5; ++face) {
         EXPECT_EQ(before.faceCentre[face] != after.faceCentre[face], face < 4) << face;
@@ -495,17 +477,15 @@ TEST(Modes, TheOtherHandednessWithZReversedIsTheSamePicture) {
 // 16.4: a viewer elsewhere is the scene moved the other way. Half turns change signs and nothing else, so they change no bit.
 TEST(Modes, ATurnedCameraIsTheSceneTurnedTheOtherWay) {
     const auto turned = [](int x, int y, int z, const char* step) {  // signs of the half turn
-        return sceneOf(
-            fmt::format(
-                "handedness = 'left'\nup = [0, {1}, 0]\n[camera]\neye = [{3}, {4}, {5}]\nat = [0, {6}, {7}]\nnear = 1\n"
-                "[[light]]\ntype = 'directional'\ndirection = [{0}, {1}, {2}]\n[[light]]\ntype = 'point'\nposition = "
-                "[{8}, {9}, {10}]\n"
-                "[[material]]\nname = 'm'\nspecular = 0.5\n[[mesh]]\nname = 'p'\ncrease = 30\nmaterial = 'm'\n"
-                "vertices = [[0, -100, 100], [50, -150, 50], [50, -150, 150], [-50, -150, 150], [-50, -150, 50]]\n"
-                "faces = [[0, 1, 4], [0, 3, 2], [0, 4, 3], [0, 2, 1], [1, 2, 3, 4]]\n[[object]]\nmesh = 'p'\ntransform "
-                "= [{11}]\n",
-                x, y, -z, 40 * x, -60 * y, -200 * z, -130 * y, 100 * z, 80 * x, 10 * y, -150 * z, step),
-            {200, 160});
+        return sceneOf(fmt::format("handedness = 'left'\nup = [0, {1}, 0]\n[camera]\neye = [{3}, {4}, {5}]\nat = [0, {6}, {7}]\nnear = 1\n"
+                                   "[[light]]\ntype = 'directional'\ndirection = [{0}, {1}, {2}]\n[[light]]\ntype = 'point'\nposition = "
+                                   "[{8}, {9}, {10}]\n"
+                                   "[[material]]\nname = 'm'\nspecular = 0.5\n[[mesh]]\nname = 'p'\ncrease = 30\nmaterial = 'm'\n"
+                                   "vertices = [[0, -100, 100], [50, -150, 50], [50, -150, 150], [-50, -150, 150], [-50, -150, 50]]\n"
+                                   "faces = [[0, 1, 4], [0, 3, 2], [0, 4, 3], [0, 2, 1], [1, 2, 3, 4]]\n[[object]]\nmesh = 'p'\ntransform "
+                                   "= [{11}]\n",
+                                   x, y, -z, 40 * x, -60 * y, -200 * z, -130 * y, 100 * z, 80 * x, 10 * y, -150 * z, step),
+                       {200, 160});
     };
     for (const Fill fill : {Fill::exact, Fill::notes}) {
         RenderRequest r = requestOf(Shading::phong, fill, {200, 160});
@@ -544,8 +524,7 @@ TEST(Modes, TheHighlightShrinksAsTheIndexRises) {
         const Material& m = scene.materials[scene.spheres[sphere].material];
         size_t count = 0;
         for (size_t i = 0; i < frame.object.size(); ++i)
-            count +=
-                frame.object[i] == sphere && frame.linear[3 * i] >= 0.5f * m.specular.r * scene.lights[0].intensity.r;
+            count += frame.object[i] == sphere && frame.linear[3 * i] >= 0.5f * m.specular.r * scene.lights[0].intensity.r;
         return count;
     };
     size_t before = 7845;
@@ -614,17 +593,14 @@ TEST(Modes, SamplesOfTheNotesFillAreALargerCanvas) {
         // side^2 additions of values up to the mean times their number, and a product: within (side^2 + 1) u of the mean.
         for (uint32_t y = 0; y < 150; ++y)
             for (uint32_t x = 0; x < 200; ++x) {
-                const size_t at = y * 200 + x,
-                             middle = (size_t(y) * side + side / 2) * 200 * side + x * side + side / 2;
+                const size_t at = y * 200 + x, middle = (size_t(y) * side + side / 2) * 200 * side + x * side + side / 2;
                 ASSERT_EQ(small.primitive[at], large.primitive[middle]);
                 ASSERT_EQ(small.depth[at], large.depth[middle]);
                 for (size_t c = 0; c < 3; ++c) {
                     double mean = 0;
                     for (uint32_t k = 0; k < side * side; ++k)
-                        mean +=
-                            double(large.linear[3 * ((size_t(y) * side + k / side) * 200 * side + x * side + k % side) +
-                                                c]) /
-                            (side * side);
+                        mean += double(large.linear[3 * ((size_t(y) * side + k / side) * 200 * side + x * side + k % side) + c]) /
+                                (side * side);
                     ASSERT_LE(std::abs(double(small.linear[3 * at + c]) - mean), (side * side + 1) * 0x1p-24 * mean);
                 }
             }

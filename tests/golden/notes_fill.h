@@ -38,8 +38,7 @@ inline std::vector<NotesEdge> notesFillTable(const std::vector<NotesCorner>& pol
         for (size_t k = 0; k < a.values.size(); ++k) e.steps.push_back((b.values[k] - a.values[k]) / lines);
         table.push_back(e);
     }
-    std::stable_sort(table.begin(), table.end(),
-                     [](const NotesEdge& a, const NotesEdge& b) { return a.yStart < b.yStart; });
+    std::stable_sort(table.begin(), table.end(), [](const NotesEdge& a, const NotesEdge& b) { return a.yStart < b.yStart; });
     return table;
 }
 

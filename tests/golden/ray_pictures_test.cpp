@@ -3,13 +3,13 @@
 #include "pipeline/scene/load.h"
 #include "tests/support/ray_scenes.h"
 
+#include <gtest/gtest.h>
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
-#include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 #include <utility>
@@ -17,9 +17,7 @@
 namespace plumb::test {
 namespace {
 
-Scene sceneOf(const char* name, glm::uvec2 size) {
-    return committed(std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes" / name, size);
-}
+Scene sceneOf(const char* name, glm::uvec2 size) { return committed(std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes" / name, size); }
 
 RenderRequest requestOf(const Scene& scene, glm::uvec2 size, Shading shading = Shading::ray) {
     RenderRequest r;
@@ -65,8 +63,7 @@ TEST(RayPictures, TheMirrorShowsTheSideThatIsTurnedAway) {
     Scene culled = scene;
     TriangleMesh& box = culled.meshes[culled.objects[objectNamed(scene, "box")].mesh];
     std::erase_if(box.triangles, [&](const TriangleMesh::Triangle& t) {
-        return glm::dot(glm::dvec3(box.faceNormal[t.face]), culled.camera->eye - glm::dvec3(box.faceCentre[t.face])) <=
-               0;
+        return glm::dot(glm::dvec3(box.faceNormal[t.face]), culled.camera->eye - glm::dvec3(box.faceCentre[t.face])) <= 0;
     });
     EXPECT_EQ(blue(renderCpu(culled, requestOf(culled, kSize)).frame).first, 0);
 }
@@ -101,8 +98,7 @@ TEST(RayPictures, OneRayAPixelHasNoValueBetweenTwoSurfaces) {
             bool edge = false;
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx)
-                    edge |= hard.rgba[size_t(int(y) + dy) * kSize.x + size_t(int(x) + dx)] !=
-                            hard.rgba[size_t(y) * kSize.x + x];
+                    edge |= hard.rgba[size_t(int(y) + dy) * kSize.x + size_t(int(x) + dx)] != hard.rgba[size_t(y) * kSize.x + x];
             EXPECT_TRUE(edge) << x << ", " << y;
         }
     // The outline of a ball of radius r px crosses each of its columns and rows twice, and passes through about 8 r pixels.
@@ -116,10 +112,8 @@ TEST(RayPictures, OneRayAPixelHasNoValueBetweenTwoSurfaces) {
 // Row 83: the pattern asks no tree, costs no feeler, and darkens as much of the ground to the same colour.
 TEST(RayPictures, FakedShadowsLookLikeShadowsAndSendNoFeeler) {
     constexpr glm::uvec2 kSize{160, 120};
-    const Scene faked = sceneOf("gallery/faked-shadows.toml", kSize),
-                real = sceneOf("gallery/true-shadows.toml", kSize);
-    const RenderResult fake = renderCpu(faked, requestOf(faked, kSize, Shading::phong)),
-                       traced = renderCpu(real, requestOf(real, kSize));
+    const Scene faked = sceneOf("gallery/faked-shadows.toml", kSize), real = sceneOf("gallery/true-shadows.toml", kSize);
+    const RenderResult fake = renderCpu(faked, requestOf(faked, kSize, Shading::phong)), traced = renderCpu(real, requestOf(real, kSize));
     EXPECT_TRUE(fake.counters.rays.empty());
     ASSERT_FALSE(traced.counters.rays.empty());
     EXPECT_GT(traced.counters.rays[0].feelers, 1000u);
@@ -134,8 +128,7 @@ TEST(RayPictures, FakedShadowsLookLikeShadowsAndSendNoFeeler) {
         lightFake += fake.frame.object[i] == lightGround;
     }
     ASSERT_EQ(colours.size(), 2u) << "a directional light on flat ground: lit, or in shadow";
-    const uint32_t shadow =
-        codesOf(*colours.begin()).r < codesOf(*colours.rbegin()).r ? *colours.begin() : *colours.rbegin();
+    const uint32_t shadow = codesOf(*colours.begin()).r < codesOf(*colours.rbegin()).r ? *colours.begin() : *colours.rbegin();
     EXPECT_EQ(darkest, shadow) << "the faked shade is what a blocked feeler leaves";
     for (size_t i = 0; i < traced.frame.rgba.size(); ++i)
         if (traced.frame.object[i] == ground) ++(traced.frame.rgba[i] == shadow ? dark : light);
@@ -163,8 +156,7 @@ TEST(RayPictures, WhatTheProgramOmitsIsInTheCompleteScene) {
             if (f.object[i] != kNone && (f.object[i] == board) == ofBoard) colours.insert(f.rgba[i]);
         return colours.size();
     };
-    const Frame one = renderCpu(plain, requestOf(plain, kSize)).frame,
-                other = renderCpu(complete, requestOf(complete, kSize)).frame;
+    const Frame one = renderCpu(plain, requestOf(plain, kSize)).frame, other = renderCpu(complete, requestOf(complete, kSize)).frame;
     EXPECT_EQ(one.object, other.object) << "the same things stand in the same places";
     EXPECT_EQ(coloursOf(one, true), 2u) << "red and white";
     EXPECT_GT(coloursOf(other, true), 1000u);
@@ -173,8 +165,7 @@ TEST(RayPictures, WhatTheProgramOmitsIsInTheCompleteScene) {
         const Frame f = renderCpu(without, requestOf(without, kSize)).frame;
         int count = 0;
         for (size_t i = 0; i < f.rgba.size(); ++i) {
-            if (other.object[i] == kNone || (other.object[i] == board) != ofBoard || f.rgba[i] == other.rgba[i])
-                continue;
+            if (other.object[i] == kNone || (other.object[i] == board) != ofBoard || f.rgba[i] == other.rgba[i]) continue;
             ++count;
             if (!darker) continue;
             for (int c = 0; c < 3; ++c) {
@@ -185,11 +176,9 @@ TEST(RayPictures, WhatTheProgramOmitsIsInTheCompleteScene) {
     };
     Scene lit = complete, matt = complete, dull = complete;
     lit.shadows = false;
-    for (const uint32_t m : {complete.planes[0].material, complete.planes[0].otherMaterial})
-        matt.materials[m].reflect = 0;
+    for (const uint32_t m : {complete.planes[0].material, complete.planes[0].otherMaterial}) matt.materials[m].reflect = 0;
     for (Material& m : dull.materials) m.specular = glm::vec3(0);
-    const int shaded = differing(lit, true, true), mirrored = differing(matt, true, false),
-              shining = differing(dull, false, false);
+    const int shaded = differing(lit, true, true), mirrored = differing(matt, true, false), shining = differing(dull, false, false);
     std::printf("board: %d pixels in shadow, %d mirror something; spheres: %d shine\n", shaded, mirrored, shining);
     EXPECT_GT(shaded, 5000);
     EXPECT_GT(mirrored, 5000);
@@ -219,15 +208,14 @@ TEST(RayPictures, GlassTurnsTheShowcaseUpsideDownAndMetalsMirrorIt) {
             count[half] += 1;
             share[half] += nearSky(f.rgba[at]);
         }
-    std::printf("sky in the glass: %.3f of its upper third, %.3f of its lower\n", share[0] / count[0],
-                share[1] / count[1]);
+    std::printf("sky in the glass: %.3f of its upper third, %.3f of its lower\n", share[0] / count[0], share[1] / count[1]);
     EXPECT_GT(share[1] / count[1], 0.25) << "the sky is below";
     EXPECT_GT(share[1] / count[1], 3 * share[0] / count[0]);
     // Each metal shows each other one: without it, pixels of the metal change.
     for (const char* name : {"blue", "green", "yellow"}) {
         Scene without = scene;
-        const auto gone = std::find_if(without.spheres.begin(), without.spheres.end(),
-                                       [&](const SphereShape& s) { return s.name == name; });
+        const auto gone =
+            std::find_if(without.spheres.begin(), without.spheres.end(), [&](const SphereShape& s) { return s.name == name; });
         gone->centre = {0, -1e3, 0};  // under the board
         const Frame other = renderCpu(without, requestOf(without, kSize)).frame;
         for (const char* in : {"blue", "green", "yellow"}) {

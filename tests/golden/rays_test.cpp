@@ -30,7 +30,9 @@ dvec3 inputVector(const Entry& e, const char* name) { return vectorOf<dvec3>(e.i
 struct Quadratic {
     double a, b, c;
     Quadratic(const dvec3& start, const dvec3& direction, const dvec3& centre, double radius)
-        : a(glm::dot(direction, direction)), b(2 * glm::dot(direction, start - centre)), c(glm::dot(start - centre, start - centre) - radius * radius) {}
+        : a(glm::dot(direction, direction)),
+          b(2 * glm::dot(direction, start - centre)),
+          c(glm::dot(start - centre, start - centre) - radius * radius) {}
     double discriminant() const { return b * b - 4 * a * c; }
     double root(double sign) const { return (-b + sign * std::sqrt(discriminant())) / (2 * a); }
     Json abc() const { return {a, b, c}; }
@@ -38,13 +40,14 @@ struct Quadratic {
 
 // The product's hit, as a parameter of the unnormalised direction.
 double tOfSphere(const dvec3& start, const dvec3& direction, const dvec3& centre, double radius) {
-    const gpu::SphereHit hit = gpu::hitSphere(glm::vec3(start), gpu::unitLength(glm::vec3(direction)), glm::vec3(centre), float(radius), 0, gpu::kStartElsewhere, false, false);
+    const gpu::SphereHit hit = gpu::hitSphere(glm::vec3(start), gpu::unitLength(glm::vec3(direction)), glm::vec3(centre), float(radius), 0,
+                                              gpu::kStartElsewhere, false, false);
     return double(hit.t) / glm::length(direction);
 }
 gpu::PlaneHit hitOf(const dvec3& start, const dvec3& direction, const dvec3& normal, const dvec3& anchor) {
     constexpr float kFar = 1e30f;
-    return gpu::hitPlane(glm::vec3(start), gpu::unitLength(glm::vec3(direction)), {glm::vec3(normal), float(glm::dot(normal, anchor))}, {1, 0, 0, 0}, {0, 1, 0, 0},
-                         {-kFar, kFar, -kFar, kFar}, true, gpu::kStartElsewhere);
+    return gpu::hitPlane(glm::vec3(start), gpu::unitLength(glm::vec3(direction)), {glm::vec3(normal), float(glm::dot(normal, anchor))},
+                         {1, 0, 0, 0}, {0, 1, 0, 0}, {-kFar, kFar, -kFar, kFar}, true, gpu::kStartElsewhere);
 }
 
 GOLDEN(s181_ray_counts) {
@@ -71,7 +74,8 @@ GOLDEN(s181_ray_counts) {
         return sum;
     };
     Json both = Json::array(), mirrors = Json::array();
-    for (const Json& depth : e.input("depth")) both.push_back(rays(true, depth.get<uint32_t>())), mirrors.push_back(rays(false, depth.get<uint32_t>()));
+    for (const Json& depth : e.input("depth"))
+        both.push_back(rays(true, depth.get<uint32_t>())), mirrors.push_back(rays(false, depth.get<uint32_t>()));
     e.exactly("both", both);
     e.exactly("reflection_only", mirrors);
     e.exactly("depth4_both", rays(true, 4));
@@ -125,7 +129,8 @@ GOLDEN(s1821_case_inside) {
 }
 
 GOLDEN(s1822_ray_plane) {
-    const dvec3 start = inputVector(e, "start"), direction = inputVector(e, "through") - start, normal = inputVector(e, "normal"), anchor = inputVector(e, "anchor");
+    const dvec3 start = inputVector(e, "start"), direction = inputVector(e, "through") - start, normal = inputVector(e, "normal"),
+                anchor = inputVector(e, "anchor");
     const gpu::PlaneHit hit = hitOf(start, direction, normal, anchor);
     e.binary64("direction", jsonOf(direction));
     e.binary64("D", glm::dot(normal, anchor));
@@ -135,13 +140,15 @@ GOLDEN(s1822_ray_plane) {
     e.float32("point", jsonOf(dvec3(hit.point)));
 }
 GOLDEN(s1822_parallel) {
-    const gpu::PlaneHit hit = hitOf(inputVector(e, "start"), inputVector(e, "direction"), inputVector(e, "normal"), inputVector(e, "anchor"));
+    const gpu::PlaneHit hit =
+        hitOf(inputVector(e, "start"), inputVector(e, "direction"), inputVector(e, "normal"), inputVector(e, "anchor"));
     e.binary64("denominator", glm::dot(inputVector(e, "normal"), inputVector(e, "direction")));
     e.exactly("hit", hit.t > 0 ? 1 : 0);
     EXPECT_EQ(hit.undecided, 1u);
 }
 GOLDEN(s1822_behind) {
-    const dvec3 start = inputVector(e, "start"), direction = inputVector(e, "direction"), normal = inputVector(e, "normal"), anchor = inputVector(e, "anchor");
+    const dvec3 start = inputVector(e, "start"), direction = inputVector(e, "direction"), normal = inputVector(e, "normal"),
+                anchor = inputVector(e, "anchor");
     e.binary64("t", glm::dot(normal, anchor - start) / glm::dot(normal, direction));
     e.exactly("hit", hitOf(start, direction, normal, anchor).t > 0 ? 1 : 0);
 }
@@ -221,7 +228,9 @@ TEST(Golden, s183_checker_minus320_380) {
 GOLDEN(s183_checker_boundaries) {
     const Json &points = e.input("points"), &colours = e.data("colours");
     for (size_t i = 0; i < points.size(); ++i)
-        EXPECT_EQ(colourAt(points[i][0].get<double>(), points[i][1].get<double>(), e.input("square").get<double>()), colours[i].get<std::string>()) << points[i];
+        EXPECT_EQ(colourAt(points[i][0].get<double>(), points[i][1].get<double>(), e.input("square").get<double>()),
+                  colours[i].get<std::string>())
+            << points[i];
 }
 
 // Primary rays of a picture of the sky, by the twin's counters.
@@ -242,7 +251,8 @@ GOLDEN(s1841_corner_sharing) {
     e.exactly("rays_corners", corners);
     e.exactly("extra_rays", corners - centre);
     e.binary64("extra_percent", 100 * double(corners - centre) / double(centre));
-    e.exactly("rays_naive_4x", 100 * primaryRays(n / 10, m / 10, RayChoices::Sampling::grid, 4));  // four a pixel: a hundredth of the picture
+    e.exactly("rays_naive_4x",
+              100 * primaryRays(n / 10, m / 10, RayChoices::Sampling::grid, 4));  // four a pixel: a hundredth of the picture
 }
 GOLDEN(s1841_corner_average) {
     std::vector<float> linear;
@@ -309,18 +319,23 @@ GOLDEN(s1843_shadow_attenuation) {
 // The C program, literally, in binary64: smaller root only, unnormalised reflected rays, truncation at each level.
 struct CProgram {
     static constexpr double kT = 100000;
-    std::array<uint64_t, 6> rays{};                // pixels by their number of rays
-    uint64_t first[4] = {0, 0, 0, 0};              // background, checkerboard, sphere 1, sphere 2
+    std::array<uint64_t, 6> rays{};    // pixels by their number of rays
+    uint64_t first[4] = {0, 0, 0, 0};  // background, checkerboard, sphere 1, sphere 2
     uint64_t sum[3] = {0, 0, 0}, depth0 = 0;
     std::vector<uint8_t> bytes;
-    struct Traced { int rgb[3]; std::vector<int> path; double t; };
+    struct Traced {
+        int rgb[3];
+        std::vector<int> path;
+        double t;
+    };
 
     static int truncated(int reflected, int local) { return int(0.7 * reflected + 0.3 * local); }
 
     static bool sphere(const dvec3& o, const dvec3& d, const dvec3& c, double r, double& t) {
         const double a = d.x * d.x + d.y * d.y + d.z * d.z;
         const double b = 2 * d.x * (o.x - c.x) + 2 * d.y * (o.y - c.y) + 2 * d.z * (o.z - c.z);
-        const double k = c.x * c.x + c.y * c.y + c.z * c.z + o.x * o.x + o.y * o.y + o.z * o.z + 2 * (-c.x * o.x - c.y * o.y - c.z * o.z) - r * r;
+        const double k =
+            c.x * c.x + c.y * c.y + c.z * c.z + o.x * o.x + o.y * o.y + o.z * o.z + 2 * (-c.x * o.x - c.y * o.y - c.z * o.z) - r * r;
         const double discriminant = b * b - 4 * a * k;
         if (discriminant < 0) return false;
         t = (-b - std::sqrt(discriminant)) / (2 * a);
@@ -549,8 +564,8 @@ GOLDEN(s185_frame_statistics) {
                 }
             EXPECT_TRUE(near) << "pixel " << x << ", " << y << ": " << most << " levels apart";
         }
-    std::printf("18.5 in whole levels: %llu of 1440000 pixels are one level apart, %llu more, each within 2^-10 px of an edge\n", static_cast<unsigned long long>(levels[0]),
-                static_cast<unsigned long long>(levels[1]));
+    std::printf("18.5 in whole levels: %llu of 1440000 pixels are one level apart, %llu more, each within 2^-10 px of an edge\n",
+                static_cast<unsigned long long>(levels[0]), static_cast<unsigned long long>(levels[1]));
     uint64_t differing = 0;
     for (int y = 1; y <= 1200; ++y)
         for (int x = 1; x <= 1200; ++x) {
@@ -569,7 +584,8 @@ GOLDEN(s185_frame_statistics) {
                 for (const double dy : {-kEdge, 0.0, kEdge}) near |= literal(dx, dy) == mine;
             EXPECT_TRUE(near) << "pixel " << x << ", " << y << ": the product sees " << mine;
         }
-    std::printf("18.5: the first hit differs in %llu of 1440000 pixels, each within 2^-10 px of an edge\n", static_cast<unsigned long long>(differing));
+    std::printf("18.5: the first hit differs in %llu of 1440000 pixels, each within 2^-10 px of an edge\n",
+                static_cast<unsigned long long>(differing));
 }
 GOLDEN(s185_colour_table_dead_code) {
     Json levels = Json::array(), indices = Json::array();

@@ -20,13 +20,9 @@ using glm::dvec2;
 using glm::dvec3;
 
 double dot(const Json& p, const Json& q) { return glm::dot(vectorOf<dvec3>(p), vectorOf<dvec3>(q)); }
-double degreesBetween(const dvec3& p, const dvec3& q) {
-    return std::acos(glm::dot(unitVector(p), unitVector(q))) * 180 / std::numbers::pi;
-}
+double degreesBetween(const dvec3& p, const dvec3& q) { return std::acos(glm::dot(unitVector(p), unitVector(q))) * 180 / std::numbers::pi; }
 
-GOLDEN(s113_scalar_times_vector) {
-    e.binary64("result", jsonOf(e.input("a").get<double>() * vectorOf<dvec2>(e.input("V"))));
-}
+GOLDEN(s113_scalar_times_vector) { e.binary64("result", jsonOf(e.input("a").get<double>() * vectorOf<dvec2>(e.input("V")))); }
 GOLDEN(s114_vector_sum) {
     const dvec2 p = vectorOf<dvec2>(e.input("P")), q = vectorOf<dvec2>(e.input("Q"));
     e.binary64("sum", jsonOf(p + q));
@@ -63,8 +59,7 @@ GOLDEN(s1110_cross) {
 }
 
 void visibility(Entry& e) {
-    const dvec3 p0 = vectorOf<dvec3>(e.input("P0")), p = vectorOf<dvec3>(e.input("P1")) - p0,
-                q = vectorOf<dvec3>(e.input("P2")) - p0;
+    const dvec3 p0 = vectorOf<dvec3>(e.input("P0")), p = vectorOf<dvec3>(e.input("P1")) - p0, q = vectorOf<dvec3>(e.input("P2")) - p0;
     const dvec3 n = glm::cross(p, q), unit = unitVector(n);
     const double d = glm::dot(unit, p0), result = glm::dot(unit, vectorOf<dvec3>(e.input("viewpoint"))) - d;
     for (const char* name : {"P", "P_second_table"}) e.binary64(name, jsonOf(p));
@@ -83,8 +78,7 @@ GOLDEN(s12_pyramid_right) { visibility(e); }
 GOLDEN(s12_pyramid_base) { visibility(e); }
 GOLDEN(s123_edge_on) {
     const dvec3 n = vectorOf<dvec3>(e.input("N_unnormalised"));
-    const double value =
-        glm::dot(n, vectorOf<dvec3>(e.input("viewpoint"))) - glm::dot(n, vectorOf<dvec3>(e.input("P0")));
+    const double value = glm::dot(n, vectorOf<dvec3>(e.input("viewpoint"))) - glm::dot(n, vectorOf<dvec3>(e.input("P0")));
     e.exactly("N.V-D_integer", value);
     e.exactly("visible", value > 0 ? 1 : 0);
 }
@@ -147,16 +141,14 @@ GOLDEN(s132_fill_triangle_corrected) {
     const auto table = notesFillTable(t);
     const auto literal = notesLines(table, false), corrected = notesLines(table, true);
     for (size_t i = 0; i < literal.size(); ++i)
-        if (literal[i].leftX != corrected[i].leftX || literal[i].rightX != corrected[i].rightX)
-            differ.push_back(int(literal[i].y));
+        if (literal[i].leftX != corrected[i].leftX || literal[i].rightX != corrected[i].rightX) differ.push_back(int(literal[i].y));
     EXPECT_EQ(differ, e.data("rows_that_differ_from_literal"));
 }
 
 double projected(double value, double z, double d) { return d * value / (d + z); }
 GOLDEN(s142_zps_values) {
     Json all = Json::array();
-    for (const Json& z : e.input("z"))
-        all.push_back(projected(z.get<double>(), z.get<double>(), e.input("d").get<double>()));
+    for (const Json& z : e.input("z")) all.push_back(projected(z.get<double>(), z.get<double>(), e.input("d").get<double>()));
     e.binary64("Zps", all);
 }
 GOLDEN(s142_max_distance) {
@@ -180,19 +172,16 @@ GOLDEN(s142_project_b2) { project(e); }
 GOLDEN(s142_project_b3) { project(e); }
 GOLDEN(s142_project_b4) { project(e); }
 
-std::vector<NotesEdge> frontTable() {
-    return notesFillTable(cornersOf(Entry("s142_front_fill_table"), {"A", "B1", "B4"}));
-}
+std::vector<NotesEdge> frontTable() { return notesFillTable(cornersOf(Entry("s142_front_fill_table"), {"A", "B1", "B4"})); }
 GOLDEN(s142_front_fill_table) {
-    Json x = Json::array(), start = Json::array(), end = Json::array(), dx = Json::array(), z = Json::array(),
-         dz = Json::array(), rounded = Json::array();
+    Json x = Json::array(), start = Json::array(), end = Json::array(), dx = Json::array(), z = Json::array(), dz = Json::array(),
+         rounded = Json::array();
     const auto toCents = [](double v) { return std::round(v * 100) / 100; };
     const std::vector<NotesCorner> corners = cornersOf(e, {"A", "B1", "B4"});
     for (const NotesEdge& edge : frontTable()) {
-        x.push_back(edge.x), start.push_back(edge.yStart), end.push_back(edge.yEnd), dx.push_back(edge.dx),
-            z.push_back(edge.values[0]), dz.push_back(edge.steps[0]);
-        rounded.push_back((toCents(corners[edge.to].values[0]) - toCents(corners[edge.from].values[0])) /
-                          (edge.yEnd - edge.yStart));
+        x.push_back(edge.x), start.push_back(edge.yStart), end.push_back(edge.yEnd), dx.push_back(edge.dx), z.push_back(edge.values[0]),
+            dz.push_back(edge.steps[0]);
+        rounded.push_back((toCents(corners[edge.to].values[0]) - toCents(corners[edge.from].values[0])) / (edge.yEnd - edge.yStart));
     }
     e.binary64("Xstart", x);
     e.binary64("Ystart", start);
@@ -209,12 +198,9 @@ GOLDEN(s143_front_fill_rows) {
     for (size_t i = 0; i < lines.size(); ++i) {
         const NotesLine& line = lines[i];
         const Json& row = e.data("rows")[i];
-        const Json got = {line.y,
-                          line.leftX,
-                          line.rightX,
-                          line.left[0],
-                          line.right[0],
-                          line.rightX > line.leftX ? (line.right[0] - line.left[0]) / (line.rightX - line.leftX) : 0,
+        const Json got = {line.y,           line.leftX,
+                          line.rightX,      line.left[0],
+                          line.right[0],    line.rightX > line.leftX ? (line.right[0] - line.left[0]) / (line.rightX - line.leftX) : 0,
                           notesPixels(line)};
         for (size_t k = 0; k < got.size(); ++k)
             EXPECT_LE(std::abs(got[k].get<double>() - row[k].get<double>()),
@@ -228,8 +214,7 @@ GOLDEN(s143_front_fill_rows) {
     const double left = table[1].x + height * table[1].dx, right = table[0].x + height * table[0].dx,
                  z = table[0].values[0] + height * table[0].steps[0];
     e.binary64("last_row_exact", {left, right, z, z});
-    e.binary64("last_row_accumulated",
-               {lines.back().leftX, lines.back().rightX, lines.back().left[0], lines.back().right[0]});
+    e.binary64("last_row_accumulated", {lines.back().leftX, lines.back().rightX, lines.back().left[0], lines.back().right[0]});
 }
 
 }  // namespace

@@ -33,16 +33,13 @@ Json moved(const Matrix& m, std::vector<Point> points) {
 }
 
 // X, Y of section 4: the origin in the middle of the window, +Y up.
-dvec2 displayOf(const Entry& e, double x, double y) {
-    return {e.input("W").get<double>() / 2 + x, e.input("H").get<double>() / 2 - y};
-}
+dvec2 displayOf(const Entry& e, double x, double y) { return {e.input("W").get<double>() / 2 + x, e.input("H").get<double>() / 2 - y}; }
 
 GOLDEN(s01_frame_memory) {
     Json bytes = Json::array(), mixed = Json::array(), decimal = Json::array(), binary = Json::array();
     for (const Json& row : e.input("rows")) {
         const double n = row["W"].get<double>() * row["H"].get<double>() * row["bytes_per_pixel"].get<double>();
-        bytes.push_back(n), mixed.push_back(n / 1024 / 1000), decimal.push_back(n / 1e6),
-            binary.push_back(n / 1024 / 1024);
+        bytes.push_back(n), mixed.push_back(n / 1024 / 1000), decimal.push_back(n / 1e6), binary.push_back(n / 1024 / 1024);
     }
     e.exactly("bytes", bytes);
     e.binary64("KiB_divided_by_1000", mixed);
@@ -50,8 +47,7 @@ GOLDEN(s01_frame_memory) {
     e.binary64("MiB", binary);
 }
 GOLDEN(s01_bits_per_frame) {
-    const uint64_t bits =
-        e.input("W").get<uint64_t>() * e.input("H").get<uint64_t>() * e.input("bits_per_pixel").get<uint64_t>();
+    const uint64_t bits = e.input("W").get<uint64_t>() * e.input("H").get<uint64_t>() * e.input("bits_per_pixel").get<uint64_t>();
     e.exactly("bits_per_frame", bits);
     e.exactly("bits_per_second", bits * e.input("fps").get<uint64_t>());
     e.exactly("erratum_factor", bits);
@@ -67,8 +63,7 @@ GOLDEN(s02_pyramid_hierarchy) {
     int draws = 0;
     for (const Json& polygon : e.input("polygons"))
         for (size_t i = 0; i < polygon.size(); ++i, ++draws) {
-            const std::string a = polygon[i].get<std::string>(),
-                              b = polygon[(i + 1) % polygon.size()].get<std::string>();
+            const std::string a = polygon[i].get<std::string>(), b = polygon[(i + 1) % polygon.size()].get<std::string>();
             ++edges[std::minmax(a, b)];
         }
     int least = draws, most = 0;
@@ -79,29 +74,19 @@ GOLDEN(s02_pyramid_hierarchy) {
     e.exactly("distinct_edges", edges.size());
     e.exactly("draws_per_edge_min_max", {least, most});
 }
-GOLDEN(s04_display_centre) {
-    e.binary64("display", jsonOf(displayOf(e, e.input("Xps").get<double>(), e.input("Yps").get<double>())));
-}
-GOLDEN(s04_display_point) {
-    e.binary64("display", jsonOf(displayOf(e, e.input("Xps").get<double>(), e.input("Yps").get<double>())));
-}
+GOLDEN(s04_display_centre) { e.binary64("display", jsonOf(displayOf(e, e.input("Xps").get<double>(), e.input("Yps").get<double>()))); }
+GOLDEN(s04_display_point) { e.binary64("display", jsonOf(displayOf(e, e.input("Xps").get<double>(), e.input("Yps").get<double>()))); }
 
 GOLDEN(s051_translate_triangle) {
     e.binary64("points", moved(translation(vectorOf<dvec2>(e.input("T"))), vectorsOf<dvec2>(e.input("points"))));
 }
-GOLDEN(s052_scale_off_origin) {
-    e.binary64("points", moved(scaling(vectorOf<dvec2>(e.input("S"))), vectorsOf<dvec2>(e.input("points"))));
-}
-GOLDEN(s052_scale_centred) {
-    e.binary64("points", moved(scaling(vectorOf<dvec2>(e.input("S"))), vectorsOf<dvec2>(e.input("points"))));
-}
+GOLDEN(s052_scale_off_origin) { e.binary64("points", moved(scaling(vectorOf<dvec2>(e.input("S"))), vectorsOf<dvec2>(e.input("points")))); }
+GOLDEN(s052_scale_centred) { e.binary64("points", moved(scaling(vectorOf<dvec2>(e.input("S"))), vectorsOf<dvec2>(e.input("points")))); }
 GOLDEN(s052_scale_identity_and_collapse) {
     for (const Json& s : e.input("S_list"))
         e.binary64("S=" + s.dump(), moved(scaling(dvec2(s.get<double>())), vectorsOf<dvec2>(e.input("points"))));
 }
-GOLDEN(s053_rotate_90) {
-    e.binary64("points", moved(rotation(e.input("phi_deg").get<double>()), vectorsOf<dvec2>(e.input("points"))));
-}
+GOLDEN(s053_rotate_90) { e.binary64("points", moved(rotation(e.input("phi_deg").get<double>()), vectorsOf<dvec2>(e.input("points")))); }
 GOLDEN(s053_rotate_45) {
     const SineCosine angle = sineCosineOfDegrees(e.input("phi_deg").get<double>());
     e.binary64("sin_cos", {angle.sine, angle.cosine});
@@ -110,8 +95,7 @@ GOLDEN(s053_rotate_45) {
 
 GOLDEN(s071_inplace_rotate_2d) {
     const std::vector<dvec2> points = vectorsOf<dvec2>(e.input("points"));
-    const std::vector<Step2> chain =
-        aboutSteps(vectorOf<dvec2>(e.input("ref")), rotateStep(e.input("phi_deg").get<double>()));
+    const std::vector<Step2> chain = aboutSteps(vectorOf<dvec2>(e.input("ref")), rotateStep(e.input("phi_deg").get<double>()));
     ChainCounters counters;
     const std::vector<dmat3> products = productsOf(std::span<const Step2>(chain), counters);
     e.binary64("after_translate", moved(products[0], points));
@@ -134,8 +118,7 @@ GOLDEN(s072_inplace_scale_2d) {
 GOLDEN(s073_inplace_rotate_3d) {
     const dvec3 p = vectorOf<dvec3>(e.input("point"));
     EXPECT_EQ(e.input("axis"), "Z");
-    const std::vector<Step3> chain =
-        aboutSteps(vectorOf<dvec3>(e.input("ref")), rotateZStep(e.input("phi_deg").get<double>()));
+    const std::vector<Step3> chain = aboutSteps(vectorOf<dvec3>(e.input("ref")), rotateZStep(e.input("phi_deg").get<double>()));
     ChainCounters counters;
     const std::vector<dmat4> products = productsOf(std::span<const Step3>(chain), counters);
     e.binary64("after_translate", jsonOf(transformed(products[0], p)));
@@ -143,9 +126,8 @@ GOLDEN(s073_inplace_rotate_3d) {
     e.binary64("final", jsonOf(transformed(products[2], p)));
 }
 GOLDEN(s073_inplace_scale_3d) {
-    e.binary64("final",
-               jsonOf(transformed(about(vectorOf<dvec3>(e.input("ref")), scaling(vectorOf<dvec3>(e.input("S")))),
-                                  vectorOf<dvec3>(e.input("point")))));
+    e.binary64("final", jsonOf(transformed(about(vectorOf<dvec3>(e.input("ref")), scaling(vectorOf<dvec3>(e.input("S")))),
+                                           vectorOf<dvec3>(e.input("point")))));
 }
 GOLDEN(s074_bounding_box_centre) {
     std::vector<dvec3> points;
@@ -197,15 +179,9 @@ GOLDEN(s083_matrix_scale) { bothNotations(e, scaling(vectorParameter(e))); }
 GOLDEN(s083_matrix_rotate_z) { bothNotations(e, rotationZ(parameterOf(e).at(0))); }
 GOLDEN(s083_matrix_rotate_y) { bothNotations(e, rotationY(parameterOf(e).at(0))); }
 GOLDEN(s083_matrix_rotate_x) { bothNotations(e, rotationX(parameterOf(e).at(0))); }
-GOLDEN(s0834_rotate_y_90) {
-    e.binary64("point", jsonOf(rotationY(e.input("phi_deg").get<double>()) * vectorOf<dvec4>(e.input("point"))));
-}
-GOLDEN(s0835_rotate_x_90) {
-    e.binary64("point", jsonOf(rotationX(e.input("phi_deg").get<double>()) * vectorOf<dvec4>(e.input("point"))));
-}
-GOLDEN(s0833_rotate_z_90) {
-    e.binary64("point", jsonOf(rotationZ(e.input("phi_deg").get<double>()) * vectorOf<dvec4>(e.input("point"))));
-}
+GOLDEN(s0834_rotate_y_90) { e.binary64("point", jsonOf(rotationY(e.input("phi_deg").get<double>()) * vectorOf<dvec4>(e.input("point")))); }
+GOLDEN(s0835_rotate_x_90) { e.binary64("point", jsonOf(rotationX(e.input("phi_deg").get<double>()) * vectorOf<dvec4>(e.input("point")))); }
+GOLDEN(s0833_rotate_z_90) { e.binary64("point", jsonOf(rotationZ(e.input("phi_deg").get<double>()) * vectorOf<dvec4>(e.input("point")))); }
 GOLDEN(s091_opposite_direction) {
     const dmat4 m1 = rotationZ(e.input("phi_deg").get<double>()), m2 = rotationZ(-e.input("phi_deg").get<double>());
     e.binary64("M1_takes_X_to", jsonOf(m1 * dvec4(1, 0, 0, 1)));
@@ -239,8 +215,7 @@ GOLDEN(s102_composite_counts_2d) {
     e.binary64("ratio", double(composite.applications) / double(translations.applications + rotations.applications));
 }
 GOLDEN(s1021_composite_2d) {
-    const std::vector<Step2> chain =
-        aboutSteps(vectorOf<dvec2>(e.input("centre")), rotateStep(e.input("phi_deg").get<double>()));
+    const std::vector<Step2> chain = aboutSteps(vectorOf<dvec2>(e.input("centre")), rotateStep(e.input("phi_deg").get<double>()));
     ChainCounters counters;
     const std::vector<dmat3> products = productsOf(std::span<const Step2>(chain), counters);
     e.binary64("T_minus", jsonOf(rowForm(chain[0].matrix)));
@@ -287,8 +262,7 @@ GOLDEN(s1022_step5) { lineStep(e, 4); }
 GOLDEN(s1022_step6) { lineStep(e, 5); }
 GOLDEN(s1022_step7) { lineStep(e, 6); }
 GOLDEN(s1022_composite_phi90) {
-    const dvec3 p1 = vectorOf<dvec3>(e.input("P1")), p2 = vectorOf<dvec3>(e.input("P2")),
-                p = vectorOf<dvec3>(e.input("test_point"));
+    const dvec3 p1 = vectorOf<dvec3>(e.input("P1")), p2 = vectorOf<dvec3>(e.input("P2")), p = vectorOf<dvec3>(e.input("test_point"));
     const double phi = e.input("phi_deg").get<double>();
     const std::vector<Step3> chain = lineSteps(p1, p2, phi);
     ChainCounters counters;

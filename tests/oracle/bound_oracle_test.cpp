@@ -5,13 +5,13 @@
 #include "pipeline/render/bound.h"
 #include "tests/support/ray_scenes.h"
 
+#include <fmt/core.h>
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 #include <map>
 #include <optional>
 #include <string>
@@ -32,7 +32,8 @@ uint32_t numberOf(const char* name, uint32_t otherwise) {
 // Calls draw(i, random) for each case, or for the one that PLUMB_CASE names, until one fails.
 template <class Draw>
 void eachCase(const char* what, uint32_t plain, uint32_t thorough, const Draw& draw) {
-    const uint32_t seed = numberOf("PLUMB_SEED", 1), count = std::getenv("PLUMB_LONG") ? thorough : plain, only = numberOf("PLUMB_CASE", UINT32_MAX);
+    const uint32_t seed = numberOf("PLUMB_SEED", 1), count = std::getenv("PLUMB_LONG") ? thorough : plain,
+                   only = numberOf("PLUMB_CASE", UINT32_MAX);
     fmt::print("{}: seed {}, {} cases\n", what, seed, count);
     for (uint32_t i = only == UINT32_MAX ? 0 : only; i < (only == UINT32_MAX ? count : only + 1); ++i) {
         Random random(seed * 1000003u + i);
@@ -55,8 +56,9 @@ public:
     }
     void print() {
         for (auto& [choice, values] : rms_)
-            fmt::print("  {:<24} {:5} rows, bound / error: rms median {:.3g}, max median {:.3g}, {} without a largest\n", choice, values.size(), median(values),
-                       median(max_[choice]), std::count(max_[choice].begin(), max_[choice].end(), ErrorBound::kNoBound));
+            fmt::print("  {:<24} {:5} rows, bound / error: rms median {:.3g}, max median {:.3g}, {} without a largest\n", choice,
+                       values.size(), median(values), median(max_[choice]),
+                       std::count(max_[choice].begin(), max_[choice].end(), ErrorBound::kNoBound));
     }
 
 private:
@@ -68,12 +70,14 @@ private:
 };
 
 // A row against its bound, as measure judges it.
-void judge(const std::string& choice, const Frame& base, const Frame& frame, const Truth& truth, bool transparent, const ColourMoves& moves, double steps, Tightness& tightness) {
+void judge(const std::string& choice, const Frame& base, const Frame& frame, const Truth& truth, bool transparent, const ColourMoves& moves,
+           double steps, Tightness& tightness) {
     const FrameError error = errorOf(frame, truth, Encoding::srgb, transparent);
     const ErrorBound bound = errorBoundOf(base, truth, transparent, moves, steps);
     for (const std::optional<BoundBreach>& breach : {breachOfMoves(base, frame, moves), breachOf(error, bound, frame.width)})
         if (breach)
-            ADD_FAILURE() << choice << ": " << breach->figure << " at (" << breach->x << ", " << breach->y << ") is " << breach->error << ' ' << breach->unit << ", bound " << breach->bound;
+            ADD_FAILURE() << choice << ": " << breach->figure << " at (" << breach->x << ", " << breach->y << ") is " << breach->error
+                          << ' ' << breach->unit << ", bound " << breach->bound;
     if (error.pixels > 0) tightness.add(choice, error, bound);
 }
 
@@ -111,7 +115,8 @@ TriangleMesh coarseBall(Random& random, uint32_t material) {
             const uint32_t a = j * around + i, b = j * around + (i + 1) % around, face = uint32_t(mesh.faceCentre.size());
             mesh.triangles.push_back({{a, b + around, a + around}, face});
             mesh.triangles.push_back({{a, b, b + around}, face});
-            mesh.faceCentre.push_back((mesh.positions[a] + mesh.positions[b] + mesh.positions[a + around] + mesh.positions[b + around]) * 0.25f);
+            mesh.faceCentre.push_back((mesh.positions[a] + mesh.positions[b] + mesh.positions[a + around] + mesh.positions[b + around]) *
+                                      0.25f);
             mesh.faceNormal.push_back(glm::vec3(glm::normalize(dvec3(mesh.faceCentre.back()) + dvec3(0, 1e-9, 0))));
             mesh.faceMaterial.push_back(material);
         }
@@ -154,7 +159,9 @@ glm::dmat4 randomTransform(Random& random, const dvec3& place) {
             case 0:
                 for (int i = 0; i < 3; ++i) step[i][i] = powerOfTen(random, -2, 0.3) * (random.below(4) == 0 ? -1 : 1);
                 break;
-            case 1: step[int(random.below(3))][int(random.below(3))] += random(-2, 2); break;
+            case 1:
+                step[int(random.below(3))][int(random.below(3))] += random(-2, 2);
+                break;
             default: {
                 const dvec3 axis(random.direction());
                 const double angle = random(0, 6.28), c = std::cos(angle), s = std::sin(angle);
@@ -180,7 +187,8 @@ Light randomLight(Random& random, const Scene& scene) {
     light.intensity = glm::vec3(dvec3(random(0, 1), random(0, 1), random(0, 1)));
     light.directional = random.below(2) == 0;
     light.direction = dvec3(random.direction());
-    if (random.below(3) == 0) light.direction = dvec3(0.3 * random(-1, 1), 0.3 * random(-1, 1), random.below(2) ? 1 : -1);  // before or behind what is seen
+    if (random.below(3) == 0)
+        light.direction = dvec3(0.3 * random(-1, 1), 0.3 * random(-1, 1), random.below(2) ? 1 : -1);  // before or behind what is seen
     if (light.directional) return light;
     light.attenuation = oneOf<Attenuation>(random, {Attenuation::none, Attenuation::inverse, Attenuation::inverseSquare});
     light.position = {random(-3, 3), random(-3, 3), random(-8, 2)};
@@ -249,7 +257,8 @@ TEST(BoundOracle, NoRasterChoiceIsBeyondItsBound) {
     Tightness tightness;
     eachCase("raster", 2400, 40000, [&](uint32_t, Random& random) {
         const Scene scene = rasterScene(random);
-        RenderRequest request = requestOf(oneOf<Shading>(random, {Shading::phong, Shading::phong, Shading::phong, Shading::gouraud, Shading::flat, Shading::flat}));
+        RenderRequest request = requestOf(
+            oneOf<Shading>(random, {Shading::phong, Shading::phong, Shading::phong, Shading::gouraud, Shading::flat, Shading::flat}));
         request.samples = oneOf<uint32_t>(random, {1, 1, 1, 4, 16});
         request.transparent = random.below(4) == 0;
         request.distantViewer = random.below(4) == 0;
@@ -265,7 +274,8 @@ TEST(BoundOracle, NoRasterChoiceIsBeyondItsBound) {
             if (request.samples != 1) continue;
             const ColourBound seen = boundOfTrade(scene, traded, &base);
             if (seen.proved && !seen.brighterAt.empty())
-                judge(std::string(name) + ", seen", base, frame, truth, request.transparent, {seen.brighterAt, seen.darkerAt}, seen.steps, tightness);
+                judge(std::string(name) + ", seen", base, frame, truth, request.transparent, {seen.brighterAt, seen.darkerAt}, seen.steps,
+                      tightness);
         }
     });
     tightness.print();
@@ -294,7 +304,9 @@ TEST(BoundOracle, NoHighlightIsBeyondItsBound) {
         sun.direction = dvec3(random.direction());
         // A cone of normals about the view with the lamp behind the eye: in its middle the normal is shortest and R.V is 1.
         if (random.below(2) == 0) {
-            for (size_t i = 0; i < 3; ++i) mesh.normals[i] = glm::vec3(glm::normalize(dvec3(std::cos(2.0944 * double(i)), std::sin(2.0944 * double(i)), 1 / std::min(apart, 1.0))));
+            for (size_t i = 0; i < 3; ++i)
+                mesh.normals[i] =
+                    glm::vec3(glm::normalize(dvec3(std::cos(2.0944 * double(i)), std::sin(2.0944 * double(i)), 1 / std::min(apart, 1.0))));
             sun.direction = dvec3(0, 0, 1) + dvec3(random.direction()) * powerOfTen(random, -3, -1);
         }
         test::addObject(scene, std::move(mesh));
@@ -311,7 +323,8 @@ TEST(BoundOracle, NoHighlightIsBeyondItsBound) {
         const std::optional<BoundBreach> breach = breachOfMoves(base, frame, moves);
         if (breach) ADD_FAILURE() << breach->error << " at (" << breach->x << ", " << breach->y << "), bound " << breach->bound;
         if (bound.linear.x < 0.9)
-            for (size_t i = 0; i < base.linear.size(); ++i) reached = std::max(reached, std::abs(double(frame.linear[i]) - double(base.linear[i])) / bound.linear.x);
+            for (size_t i = 0; i < base.linear.size(); ++i)
+                reached = std::max(reached, std::abs(double(frame.linear[i]) - double(base.linear[i])) / bound.linear.x);
     });
     fmt::print("  highlights reach {:.3f} of their bound\n", reached);
 }
@@ -346,7 +359,8 @@ Scene tracedScene(Random& random) {
     }
     if (random.below(3) == 0) {
         const uint32_t material = paint();
-        test::addObject(scene, random.below(2) ? coarseBall(random, material) : wildTriangles(random, material), randomTransform(random, {random(-1, 1), random(0, 2), random(-1, 2)}));
+        test::addObject(scene, random.below(2) ? coarseBall(random, material) : wildTriangles(random, material),
+                        randomTransform(random, {random(-1, 1), random(0, 2), random(-1, 2)}));
     }
     scene.lights.clear();
     const uint32_t lights = random.below(4);
@@ -375,13 +389,16 @@ TEST(BoundOracle, NoDepthOrCutoffIsBeyondItsBound) {
         base.transparent = random.below(4) == 0;
         base.maxDepth = oneOf<uint32_t>(random, {1, 2, 3, 5, 5, 7});
         base.minWeight = oneOf<float>(random, {0, 0, 0.01f, 0.1f});
-        base.rays.sampling = base.samples == 1 ? oneOf<Sampling>(random, {Sampling::grid, Sampling::grid, Sampling::corners}) : Sampling::grid;
+        base.rays.sampling =
+            base.samples == 1 ? oneOf<Sampling>(random, {Sampling::grid, Sampling::grid, Sampling::corners}) : Sampling::grid;
         const Frame plain = renderCpu(scene, base).frame;
         const Truth truth = truthOf(scene, base);
         const BoundOfRays bounds(scene, base);
         const auto row = [&](const std::string& name, const RenderRequest& request) {
             BoundOfRays::Moves moves = bounds.of(request);
-            if (moves.proved) judge(name, plain, renderCpu(scene, request).frame, truth, base.transparent, {std::move(moves.brighter), std::move(moves.darker)}, 0, tightness);
+            if (moves.proved)
+                judge(name, plain, renderCpu(scene, request).frame, truth, base.transparent,
+                      {std::move(moves.brighter), std::move(moves.darker)}, 0, tightness);
         };
         for (const uint32_t depth : {1u, 2u, 3u, 5u, 9u}) {
             RenderRequest request = base;

@@ -10,6 +10,7 @@
 #include "tests/oracle/fixed_function.h"
 #include "tests/oracle/screen_scene.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,7 +18,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <random>
 #include <string>
@@ -124,7 +124,9 @@ struct Picture {
         drawn = drawnTriangles(prepared.list, geometry);
     }
     // In scene units: as stated, or the largest power of two not above 2^-10 of the distance in focus.
-    float near() const { return float(scene.camera->near > 0 ? scene.camera->near : std::exp2(std::floor(std::log2(scene.camera->focusDistance)) - 10)); }
+    float near() const {
+        return float(scene.camera->near > 0 ? scene.camera->near : std::exp2(std::floor(std::log2(scene.camera->focusDistance)) - 10));
+    }
     int width() const { return int(request.width); }
     int height() const { return int(request.height); }
 };
@@ -194,8 +196,10 @@ void expectExactFill(const Picture& p, const std::string& name) {
         worstUnits = std::max(worstUnits, error / kUnit / winnerZ[at]);
     }
     ASSERT_GT(covered, pixels / 50) << name << ": an empty picture is no evidence";
-    fmt::print("coverage oracle {:<12} {}x{}: {} triangles, {} pixels covered, {} fragments, 0 differ; depth error at most {:.2f} of its bound, {:.1f} u of z\n",
-               name, p.width(), p.height(), p.drawn.size(), covered, fragments, worst, worstUnits);
+    fmt::print(
+        "coverage oracle {:<12} {}x{}: {} triangles, {} pixels covered, {} fragments, 0 differ; depth error at most {:.2f} of its bound, "
+        "{:.1f} u of z\n",
+        name, p.width(), p.height(), p.drawn.size(), covered, fragments, worst, worstUnits);
 }
 
 const char* const kMeshes[] = {"suzanne/suzanne.obj", "mug/mug.obj", "apple/apple.ply", "procedural/torus.obj"};
@@ -244,7 +248,8 @@ TEST(FillOracle, VerticesAreWithinTheBoundOfBinary64Projection) {
                     const glm::dvec3 origin = glm::dvec3(object.worldFromObject[3]) - c.eye;
                     rowSum += std::abs(focal * glm::dot(axis, origin));
                     wSum += std::abs(glm::dot(c.forward, origin));
-                    const double bound = kRowError * (rowSum + std::abs(q) * wSum) / w + kUnit * (std::abs(q) + std::abs(q + centre)) + kSnapPixels;
+                    const double bound =
+                        kRowError * (rowSum + std::abs(q) * wSum) / w + kUnit * (std::abs(q) + std::abs(q + centre)) + kSnapPixels;
                     const double error = std::abs(got / 256.0 - (q + centre));
                     ASSERT_LE(error, bound) << mesh << " vertex " << i;
                     worst = std::max(worst, error / bound);
@@ -297,14 +302,16 @@ Verdict against(const Picture& p, const oracle::DrawnFrame& witness) {
                     reach = std::max(reach, std::hypot(double(b.x - c.x), double(b.y - c.y)));
                 }
                 const double slope = (most - least) * reach / std::abs(area);
-                margin += a.bound + kWitnessGradientUnits * kUnit * (most + slope * (reach + 256.0 * oracle::kGuard * std::max(p.width(), p.height())));
+                margin += a.bound + kWitnessGradientUnits * kUnit *
+                                        (most + slope * (reach + 256.0 * oracle::kGuard * std::max(p.width(), p.height())));
             }
         if (near)
             ++v.nearEdge;
         else if (z[0] >= 0 && z[1] >= 0 && std::abs(z[0] - z[1]) <= margin)
             ++v.undecidedDepth;
         else if (v.wrong++ == 0)
-            v.first = fmt::format("pixel ({}, {}): ours {} at z {:.9g}, fixed function {} at z {:.9g}", x, y, int(ours), z[0], int(theirs), z[1]);
+            v.first =
+                fmt::format("pixel ({}, {}): ours {} at z {:.9g}, fixed function {} at z {:.9g}", x, y, int(ours), z[0], int(theirs), z[1]);
     }
     return v;
 }
@@ -321,15 +328,19 @@ void expectFixedFunctionAgrees(const Picture& p, const std::string& name) {
     for (const Drawn& d : p.drawn) {
         bool inside = true;  // the witness has its own clipping beyond its guard
         for (size_t i = 0; i < 3; ++i)
-            inside &= std::abs(d.place[i].x / (128.0 * p.width()) - 1) <= oracle::kGuard && std::abs(d.place[i].y / (128.0 * p.height()) - 1) <= oracle::kGuard;
+            inside &= std::abs(d.place[i].x / (128.0 * p.width()) - 1) <= oracle::kGuard &&
+                      std::abs(d.place[i].y / (128.0 * p.height()) - 1) <= oracle::kGuard;
         ASSERT_TRUE(inside) << name << ": choose a view inside the witness's guard";
         for (size_t i = 0; i < 3; ++i)
-            vertices.push_back({float(double(d.place[i].x) / (128.0 * p.width()) - 1), float(double(d.place[i].y) / (128.0 * p.height()) - 1), float(d.z[i]), 1.0f});
+            vertices.push_back({float(double(d.place[i].x) / (128.0 * p.width()) - 1),
+                                float(double(d.place[i].y) / (128.0 * p.height()) - 1), float(d.z[i]), 1.0f});
         ids.push_back(d.source);
     }
     const Verdict v = against(p, fixedFunction().draw(p.request.width, p.request.height, vertices, ids));
-    fmt::print("fixed function {:<12} {}x{}, snapped corners: {} pixels covered, {} differ within 2^-8 px of an edge, {} at undecided depth, {} others\n", name,
-               p.width(), p.height(), v.covered, v.nearEdge, v.undecidedDepth, v.wrong);
+    fmt::print(
+        "fixed function {:<12} {}x{}, snapped corners: {} pixels covered, {} differ within 2^-8 px of an edge, {} at undecided depth, {} "
+        "others\n",
+        name, p.width(), p.height(), v.covered, v.nearEdge, v.undecidedDepth, v.wrong);
     EXPECT_EQ(v.wrong, 0u) << name << ": " << v.first;
     EXPECT_GT(v.covered, 1000u);
 }
@@ -349,15 +360,18 @@ void expectFixedFunctionAgreesUnsnapped(const Picture& p, const std::string& nam
             for (int i = 0; i < 3; ++i) {
                 const glm::dvec3 local(p.scene.meshes[object.mesh].positions[p.prepared.list.triangles[t][i] - r.firstVertex]);
                 const glm::dvec3 toPoint = glm::dvec3(object.worldFromObject * glm::dvec4(local, 1)) - c.eye;
-                vertices.push_back({float(focal * glm::dot(c.right, toPoint) / (p.width() / 2.0)), float(-focal * glm::dot(c.up, toPoint) / (p.height() / 2.0)),
-                                    p.near(), float(glm::dot(c.forward, toPoint))});
+                vertices.push_back({float(focal * glm::dot(c.right, toPoint) / (p.width() / 2.0)),
+                                    float(-focal * glm::dot(c.up, toPoint) / (p.height() / 2.0)), p.near(),
+                                    float(glm::dot(c.forward, toPoint))});
             }
             ids.push_back(t);
         }
     }
     const Verdict v = against(p, fixedFunction().draw(p.request.width, p.request.height, vertices, ids));
-    fmt::print("fixed function {:<12} {}x{}, its own projection: {} pixels covered, {} differ within 2^-8 px of an edge, {} at undecided depth, {} others\n", name,
-               p.width(), p.height(), v.covered, v.nearEdge, v.undecidedDepth, v.wrong);
+    fmt::print(
+        "fixed function {:<12} {}x{}, its own projection: {} pixels covered, {} differ within 2^-8 px of an edge, {} at undecided depth, "
+        "{} others\n",
+        name, p.width(), p.height(), v.covered, v.nearEdge, v.undecidedDepth, v.wrong);
     EXPECT_EQ(v.wrong, 0u) << name << ": " << v.first;
     EXPECT_GT(v.covered, 1000u);
 }
@@ -421,7 +435,8 @@ void expectShading(const Picture& p, const std::string& name, ShadingVerdict& v)
     const DrawList& list = p.prepared.list;
     for (size_t at = 0; at < p.frame.triangle.size(); ++at) {
         const uint32_t t = p.frame.triangle[at];
-        if (t == kNone || of[t].size() != 1 || list.triangles[t].x != of[t][0]->vertex[0]) continue;  // corners that clipping made carry no normal of the file
+        if (t == kNone || of[t].size() != 1 || list.triangles[t].x != of[t][0]->vertex[0])
+            continue;  // corners that clipping made carry no normal of the file
         const int x = int(at % size_t(p.width())), y = int(at / size_t(p.width()));
         const Drawn& d = *of[t][0];
         const AtPixel a = exactly(d, x, y);
@@ -453,7 +468,8 @@ void expectShading(const Picture& p, const std::string& name, ShadingVerdict& v)
         // Ray and position
         const Real80 sx = (x + 0.5L - p.width() / 2.0L) / focal, sy = (y + 0.5L - p.height() / 2.0L) / focal;
         const Vector ray = Vector(c.forward) + Vector(c.right) * sx - Vector(c.up) * sy;
-        const Real80 rayParts = lengthOf(Vector(c.forward)) + (p.width() + std::abs(x + 0.5L)) / focal + (p.height() + std::abs(y + 0.5L)) / focal;
+        const Real80 rayParts =
+            lengthOf(Vector(c.forward)) + (p.width() + std::abs(x + 0.5L)) / focal + (p.height() + std::abs(y + 0.5L)) / focal;
         const Real80 rayError = Real80(kRayError) * rayParts / lengthOf(ray);
         const Vector toEye = -ray / lengthOf(ray);
         const Vector position = ray * (Real80(p.near()) / Real80(a.z));
@@ -467,8 +483,11 @@ void expectShading(const Picture& p, const std::string& name, ShadingVerdict& v)
         for (const Light& light : p.scene.lights) {
             Vector l = light.directional ? Vector(light.direction) : Vector(light.position - c.eye) - position;
             const Real80 distance = light.directional ? 1 : lengthOf(l);
-            const Real80 lightError = light.directional ? Real80(kUnit) * 1.7320508L
-                                                        : (positionError + 2 * kUnit * (lengthOf(Vector(light.position - c.eye)) + lengthOf(position))) / distance + Real80(kUnitLengthError);
+            const Real80 lightError =
+                light.directional
+                    ? Real80(kUnit) * 1.7320508L
+                    : (positionError + 2 * kUnit * (lengthOf(Vector(light.position - c.eye)) + lengthOf(position))) / distance +
+                          Real80(kUnitLengthError);
             l /= lengthOf(l);
             Real80 fade = 1, fadeError = 0;
             if (!light.directional && light.attenuation != Attenuation::none) {
@@ -486,14 +505,16 @@ void expectShading(const Picture& p, const std::string& name, ShadingVerdict& v)
             const Real80 mirrorError = 2 * (normalError + nlError) + lightError + rayError + Real80(kUnitLengthError) + 4 * kUnit;
             const Real80 powerError = exponent == 0 ? 0
                                                     : Real80(kPowerSlope) * std::sqrt(std::max<Real80>(exponent, 1)) * mirrorError +
-                                                          exponent * mirrorError * mirrorError + Real80(kPowerError) + (exponent >= 1 ? Real80(kPowerFloor) * (rv < 0.01L) : 1);
+                                                          exponent * mirrorError * mirrorError + Real80(kPowerError) +
+                                                          (exponent >= 1 ? Real80(kPowerFloor) * (rv < 0.01L) : 1);
             const bool edgeOfLight = std::abs(nl) <= nlError;  // N.L > 0 itself is not decided
             undecided |= edgeOfLight;
             for (int i = 0; i < 3; ++i) {
                 const Real80 intensity = Real80(light.intensity[i]) * fade;
                 const Real80 term = (lit ? Real80(material.diffuse[i]) * nl + Real80(material.specular[i]) * power : 0) * intensity;
                 colour[i] += term;
-                bound[i] += intensity * (material.diffuse[i] * nlError + material.specular[i] * (lit || edgeOfLight ? powerError + (edgeOfLight ? power : 0) : 0)) +
+                bound[i] += intensity * (material.diffuse[i] * nlError +
+                                         material.specular[i] * (lit || edgeOfLight ? powerError + (edgeOfLight ? power : 0) : 0)) +
                             (fadeError + (4 + Real80(p.scene.lights.size())) * kUnit) * (term + colour[i]);
             }
         }
@@ -501,12 +522,14 @@ void expectShading(const Picture& p, const std::string& name, ShadingVerdict& v)
         v.undecided += undecided;
         for (int i = 0; i < 3; ++i) {
             const Real80 error = std::abs(Real80(p.frame.linear[3 * at + size_t(i)]) - colour[i]);
-            ASSERT_LE(double(error), double(bound[i])) << name << ": pixel (" << x << ", " << y << ") " << "RGB"[i] << ": drawn " << p.frame.linear[3 * at + size_t(i)]
-                                                       << ", formula " << double(colour[i]) << (undecided ? ", at the edge of a light" : "");
+            ASSERT_LE(double(error), double(bound[i])) << name << ": pixel (" << x << ", " << y << ") "
+                                                       << "RGB"[i] << ": drawn " << p.frame.linear[3 * at + size_t(i)] << ", formula "
+                                                       << double(colour[i]) << (undecided ? ", at the edge of a light" : "");
             v.worst = std::max(v.worst, bound[i] > 0 ? double(error / bound[i]) : 0.0);
             v.worstCodes = std::max(v.worstCodes, double(error * 255));
             const float got = p.frame.normal[3 * at + size_t(i)];
-            ASSERT_LE(std::abs(double(got) - double(n[i])), double(normalError)) << name << ": pixel (" << x << ", " << y << ") normal " << "xyz"[i];
+            ASSERT_LE(std::abs(double(got) - double(n[i])), double(normalError)) << name << ": pixel (" << x << ", " << y << ") normal "
+                                                                                 << "xyz"[i];
         }
     }
 }
@@ -523,7 +546,8 @@ TEST(FillOracle, PhongFollowsTheFormulaAtEveryPixel) {
             for (const Attenuation attenuation : {Attenuation::none, Attenuation::inverse, Attenuation::inverseSquare}) {
                 Light light;
                 light.directional = false;
-                light.position = c.eye + c.forward * (0.4 * c.focusDistance) + c.right * (0.3 * c.focusDistance * (1 + int(attenuation))) + c.up * (0.2 * c.focusDistance);
+                light.position = c.eye + c.forward * (0.4 * c.focusDistance) + c.right * (0.3 * c.focusDistance * (1 + int(attenuation))) +
+                                 c.up * (0.2 * c.focusDistance);
                 light.intensity = glm::vec3(0.25f) * float(attenuation == Attenuation::none ? 1 : c.focusDistance);
                 light.attenuation = attenuation;
                 scene.lights.push_back(light);
@@ -533,8 +557,9 @@ TEST(FillOracle, PhongFollowsTheFormulaAtEveryPixel) {
             expectShading({std::move(scene), requestOf(333, 211)}, name, v);
             if (HasFatalFailure()) return;
             EXPECT_GT(v.pixels, 5000u);
-            fmt::print("shading oracle {:<20} {} pixels, {} at the edge of a light, error at most {:.2f} of its bound, {:.5f} of a code (x/255)\n", name, v.pixels, v.undecided,
-                       v.worst, v.worstCodes);
+            fmt::print(
+                "shading oracle {:<20} {} pixels, {} at the edge of a light, error at most {:.2f} of its bound, {:.5f} of a code (x/255)\n",
+                name, v.pixels, v.undecided, v.worst, v.worstCodes);
         }
 }
 
@@ -578,7 +603,8 @@ TEST(LinesOracle, APixelIsTheFloorOfTheExactLineAtItsCentre) {
         o.rowY = {0, 1, 0, 0};
         o.rowW = {0, 0, 0, 1};
         const float centre = kSide / 2.0f;
-        const std::vector<glm::vec4> positions{{float(x[0]) / 256 - centre, float(y[0]) / 256 - centre, 0, 1}, {float(x[1]) / 256 - centre, float(y[1]) / 256 - centre, 0, 1}};
+        const std::vector<glm::vec4> positions{{float(x[0]) / 256 - centre, float(y[0]) / 256 - centre, 0, 1},
+                                               {float(x[1]) / 256 - centre, float(y[1]) / 256 - centre, 0, 1}};
         const std::vector<glm::uvec2> edges{{0, 1}};
         const std::vector<gpu::ObjectRecord> objects{o};
         std::vector<uint32_t> owners(kSide * kSide, gpu::kNoEdge), want = owners;
@@ -594,7 +620,8 @@ TEST(LinesOracle, APixelIsTheFloorOfTheExactLineAtItsCentre) {
             const int64_t centreOf = pixel * 256 + 128;
             if (centreOf < major[0] || centreOf >= major[1]) continue;
             // floor(numerator / (256 run)), numerator / run the exact minor coordinate
-            const __int128_t run = major[1] - major[0], numerator = __int128_t(minor[0]) * run + __int128_t(minor[1] - minor[0]) * (centreOf - major[0]);
+            const __int128_t run = major[1] - major[0],
+                             numerator = __int128_t(minor[0]) * run + __int128_t(minor[1] - minor[0]) * (centreOf - major[0]);
             __int128_t cell = numerator / (256 * run);
             if (cell * 256 * run > numerator) --cell;
             const int px = steep ? int(cell) : pixel, py = steep ? pixel : int(cell);

@@ -66,7 +66,8 @@ DrawnFrame FixedFunction::draw(uint32_t width, uint32_t height, std::span<const 
     v.pipeline.record(width, height, {beside * float(width), beside * float(height), kGuard * float(width), kGuard * float(height)},
                       kNothingDrawn, v.vertices, v.indices, std::span(&all, vertices.empty() ? 0 : 1), true);
     v.pipeline.run();
-    return {width, height, {v.pipeline.colour().begin(), v.pipeline.colour().end()}, {v.pipeline.depth().begin(), v.pipeline.depth().end()}};
+    return {
+        width, height, {v.pipeline.colour().begin(), v.pipeline.colour().end()}, {v.pipeline.depth().begin(), v.pipeline.depth().end()}};
 }
 
 }  // namespace plumb::oracle

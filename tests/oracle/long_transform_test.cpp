@@ -3,9 +3,9 @@
 #include "pipeline/passes/long_rows.h"
 #include "pipeline/truth/exact.h"
 
+#include <gtest/gtest.h>
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,12 +34,10 @@ Worst worstOf(double reach, double entry, double last, uint64_t seed) {
         const int exponent = blockExponent(reach);
         const gpu::LongRow longRow = plumb::longRow(row, exponent);
         gpu::LongRecord record{longRow, longRow, longRow, float(std::ldexp(1.0, -exponent))};
-        const Exact exact = Exact(row.x) * Exact(double(p.x)) + Exact(row.y) * Exact(double(p.y)) +
-                            Exact(row.z) * Exact(double(p.z)) + Exact(row.w);
-        const double r = std::abs(exact.rounded()), m = std::max({std::abs(row.x), std::abs(row.y), std::abs(row.z)}),
-                     u = 0x1p-24;
-        const double sum = std::abs(row.x * double(p.x)) + std::abs(row.y * double(p.y)) +
-                           std::abs(row.z * double(p.z)) + std::abs(row.w);
+        const Exact exact =
+            Exact(row.x) * Exact(double(p.x)) + Exact(row.y) * Exact(double(p.y)) + Exact(row.z) * Exact(double(p.z)) + Exact(row.w);
+        const double r = std::abs(exact.rounded()), m = std::max({std::abs(row.x), std::abs(row.y), std::abs(row.z)}), u = 0x1p-24;
+        const double sum = std::abs(row.x * double(p.x)) + std::abs(row.y * double(p.y)) + std::abs(row.z * double(p.z)) + std::abs(row.w);
         // shaders/shared/long_transform.h.
         const double block = u * r + 6 * 0x1p-30 * m * reach * (1 + 0x1p-30) + 0x1p-29 * std::abs(row.w);
         const double binary64 = u * r + 0x1p-103 + 4.01 * 0x1p-53 * sum;

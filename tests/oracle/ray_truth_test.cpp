@@ -7,12 +7,12 @@
 #include "tests/oracle/trace_oracle.h"
 #include "tests/support/ray_scenes.h"
 
-#include <cmath>
-#include <cstdint>
-#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <glm/glm.hpp>
 #include <utility>
 #include <vector>
 
@@ -54,9 +54,7 @@ Compared compareWithOracle(const Scene& scene, const RayLimits& limits) {
     const RayWorld world(scene);
     RayTruth truth(world, pinhole, sky, limits);
     const Camera& camera = *scene.camera;
-    const auto direction = [&](double x, double y) {
-        return camera.forward * pinhole.focal + camera.right * x - camera.up * y;
-    };
+    const auto direction = [&](double x, double y) { return camera.forward * pinhole.focal + camera.right * x - camera.up * y; };
     for (uint32_t j = 0; j < kHeight; ++j)
         for (uint32_t i = 0; i < kWidth; ++i) {
             const double x = i + 0.5 - kWidth / 2.0, y = j + 0.5 - kHeight / 2.0;
@@ -68,10 +66,10 @@ Compared compareWithOracle(const Scene& scene, const RayLimits& limits) {
             bool beside = false;
             if (!(off <= kCalm) || object != expected.object)
                 for (int k = 0; k < 8; ++k)
-                    beside |= oracle
-                                  .look(camera.eye, direction(x + 0x1p-26 * std::cos(k * 0.7853981634),
-                                                              y + 0x1p-26 * std::sin(k * 0.7853981634)))
-                                  .path != expected.path;
+                    beside |=
+                        oracle
+                            .look(camera.eye, direction(x + 0x1p-26 * std::cos(k * 0.7853981634), y + 0x1p-26 * std::sin(k * 0.7853981634)))
+                            .path != expected.path;
             if (beside) {
                 ++out.wild;
                 continue;
@@ -87,14 +85,12 @@ Compared compareWithOracle(const Scene& scene, const RayLimits& limits) {
 }
 
 TEST(RayTruth, AgreesWithTheTextbookTracer) {
-    for (const auto& [name, scene] :
-         {std::pair("mirrors", mirrors()), std::pair("glass", glass()), std::pair("inGlass", inGlass())}) {
+    for (const auto& [name, scene] : {std::pair("mirrors", mirrors()), std::pair("glass", glass()), std::pair("inGlass", inGlass())}) {
         RayLimits limits;
         limits.maxDepth = scene.maxDepth;
         limits.leastWeight = 0;
         const Compared c = compareWithOracle(scene, limits);
-        std::printf("%s: %d pixels, %d beside a decision of the oracle, %d off by more than 2^-30\n", name, c.pixels,
-                    c.wild, c.differing);
+        std::printf("%s: %d pixels, %d beside a decision of the oracle, %d off by more than 2^-30\n", name, c.pixels, c.wild, c.differing);
         EXPECT_LE(c.wild, c.pixels / 100) << name;
         EXPECT_LE(c.differing, c.pixels / 100) << name;
     }
@@ -109,8 +105,8 @@ TEST(RayTruth, AgreesWithTheTextbookTracerOnRandomScenes) {
         s.shadows = n % 4 != 3;
         for (int k = 0; k < 4; ++k) {
             const float reflect = float(r(0, 0.6)), transmit = k % 2 ? float(r(0, 0.9 - double(reflect))) : 0.0f;
-            addRayMaterial(s, glm::vec3(float(r(0, 1)), float(r(0, 1)), float(r(0, 1))), reflect, transmit,
-                           float(r(0.5, 2)), float(int(r(0, 200))));
+            addRayMaterial(s, glm::vec3(float(r(0, 1)), float(r(0, 1)), float(r(0, 1))), reflect, transmit, float(r(0.5, 2)),
+                           float(int(r(0, 200))));
         }
         const auto any = [&] { return 1 + uint32_t(r(0, 3.99)); };
         for (int k = 0; k < 6; ++k) s.spheres.push_back(ball({r(-3, 3), r(-1, 3), r(-4, 3)}, r(0.2, 1.2), any()));
@@ -124,8 +120,7 @@ TEST(RayTruth, AgreesWithTheTextbookTracerOnRandomScenes) {
         const Compared c = compareWithOracle(s, limits);
         pixels += c.pixels, wild += c.wild, differing += c.differing;
     }
-    std::printf("random scenes: %d pixels, %d beside a decision of the oracle, %d off by more than 2^-30\n", pixels,
-                wild, differing);
+    std::printf("random scenes: %d pixels, %d beside a decision of the oracle, %d off by more than 2^-30\n", pixels, wild, differing);
     EXPECT_LE(wild, pixels / 100);
     EXPECT_LE(differing, pixels / 100);
 }
@@ -149,10 +144,7 @@ TEST(RayTruth, TwoTrianglesAreTheBoundedPlaneThatTheyCover) {
         p.material = mirror;
         planes.planes.push_back(p);
         TriangleMesh mesh;
-        mesh.positions = {{-6, 0, -1},
-                          {5, 0, -1},
-                          {5, 0, 0.75},
-                          {-6, 0, 0.75}};  // twice as wide and half as deep: the matrix undoes it
+        mesh.positions = {{-6, 0, -1}, {5, 0, -1}, {5, 0, 0.75}, {-6, 0, 0.75}};  // twice as wide and half as deep: the matrix undoes it
         mesh.normals = std::vector<glm::vec3>(4, glm::vec3(0, 1, 0));
         mesh.triangles = {{{0, 2, 1}, 0}, {{0, 3, 2}, 0}};
         mesh.faceMaterial = {mirror};
@@ -235,8 +227,7 @@ TEST(RayTruth, MeshesAreWhatThePassesDraw) {
             glm::dvec3 low = seen.colour, high = seen.colour;
             bool same = true;
             for (int k = 0; k < 8; ++k) {
-                const RaySeen beside =
-                    truth.look(x + edge * std::cos(k * 0.7853981634), y + edge * std::sin(k * 0.7853981634));
+                const RaySeen beside = truth.look(x + edge * std::cos(k * 0.7853981634), y + edge * std::sin(k * 0.7853981634));
                 low = glm::min(low, beside.colour), high = glm::max(high, beside.colour);
                 same &= beside.object == seen.object && beside.primitive == seen.primitive;
             }
@@ -256,8 +247,8 @@ TEST(RayTruth, MeshesAreWhatThePassesDraw) {
             // Behind the first hit an edge may be nearer than its neighbours show: what is outside must then be few.
             beyond += out;
         }
-    std::printf("meshes: %d pixels of %u within %.2g px of an edge, %d beyond their neighbours by a level\n", edges,
-                kWidth * kHeight, edge, beyond);
+    std::printf("meshes: %d pixels of %u within %.2g px of an edge, %d beyond their neighbours by a level\n", edges, kWidth * kHeight, edge,
+                beyond);
     EXPECT_LE(edges, int(kWidth * kHeight / 10));
     EXPECT_LE(beyond, int(kWidth * kHeight / 500));
 }
@@ -273,7 +264,8 @@ TEST(RayTruth, SpheresCloseToTheEyeAreDrawnRight) {
                 RenderRequest request = requestOf(scene);
                 const Truth truth = truthOf(scene, request);
                 const FrameError e = errorOf(renderCpu(scene, request).frame, truth, request.encoding, false);
-                const auto off = std::count_if(e.unroundedPerPixel.begin(), e.unroundedPerPixel.end(), [](float steps) { return steps > kUnseenSteps; });
+                const auto off =
+                    std::count_if(e.unroundedPerPixel.begin(), e.unroundedPerPixel.end(), [](float steps) { return steps > kUnseenSteps; });
                 EXPECT_EQ(e.wrongPrimitive, 0u) << radius << ", 2^" << ratio << ", side " << side;
                 EXPECT_LE(off, kWidth * kHeight / 400) << radius << ", 2^" << ratio << ", side " << side;
                 EXPECT_GT(e.pixels, kWidth * kHeight / 3u) << "little is seen";
@@ -301,8 +293,7 @@ TEST(RayTruth, TheErrorOfAPictureNoticesMistakes) {
     }
     // Deep enough, what is left is float32 and, here and there, an edge: the squares of the board meet on diagonals through pixels' middles.
     const auto farOff = [](const FrameError& e) {
-        return std::count_if(e.unroundedPerPixel.begin(), e.unroundedPerPixel.end(),
-                             [](float steps) { return steps > 0.25f; });
+        return std::count_if(e.unroundedPerPixel.begin(), e.unroundedPerPixel.end(), [](float steps) { return steps > 0.25f; });
     };
     const FrameError deep = errorFor(scene, request);
     EXPECT_LT(farOff(deep), kWidth * kHeight / 50);
@@ -322,8 +313,8 @@ TEST(RayTruth, SamplesLieWhereThePicturesDo) {
     const Scene scene = mirrors();
     RenderRequest request = requestOf(scene);
     request.maxDepth = 20;
-    for (const auto sampling : {RayChoices::Sampling::grid, RayChoices::Sampling::centre, RayChoices::Sampling::corners,
-                                RayChoices::Sampling::notes}) {
+    for (const auto sampling :
+         {RayChoices::Sampling::grid, RayChoices::Sampling::centre, RayChoices::Sampling::corners, RayChoices::Sampling::notes}) {
         for (const uint32_t samples : {1u, 4u}) {
             if (samples != 1 && sampling == RayChoices::Sampling::corners) continue;
             request.samples = samples;
@@ -332,16 +323,13 @@ TEST(RayTruth, SamplesLieWhereThePicturesDo) {
             const FrameError error = errorOf(renderCpu(scene, request).frame, truth, request.encoding, false);
             // Any other place shows another colour nearly everywhere. The board's squares meet on diagonals, on which pixels of these pictures lie exactly.
             const auto farOff = [](const FrameError& e) {
-                return std::count_if(e.unroundedPerPixel.begin(), e.unroundedPerPixel.end(),
-                                     [](float steps) { return steps > 0.25f; });
+                return std::count_if(e.unroundedPerPixel.begin(), e.unroundedPerPixel.end(), [](float steps) { return steps > 0.25f; });
             };
             EXPECT_LT(farOff(error), kWidth * kHeight / 20) << int(sampling) << " " << samples;
             EXPECT_LE(error.wrongPrimitive, 4u) << int(sampling) << " " << samples;
             RenderRequest elsewhere = request;
-            elsewhere.rays.sampling =
-                sampling == RayChoices::Sampling::notes ? RayChoices::Sampling::grid : RayChoices::Sampling::notes;
-            EXPECT_GT(farOff(errorOf(renderCpu(scene, elsewhere).frame, truth, request.encoding, false)),
-                      kWidth * kHeight / 10)
+            elsewhere.rays.sampling = sampling == RayChoices::Sampling::notes ? RayChoices::Sampling::grid : RayChoices::Sampling::notes;
+            EXPECT_GT(farOff(errorOf(renderCpu(scene, elsewhere).frame, truth, request.encoding, false)), kWidth * kHeight / 10)
                 << int(sampling) << " " << samples;
         }
     }

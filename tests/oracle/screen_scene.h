@@ -7,11 +7,11 @@
 #include "host/error.h"
 #include "pipeline/render/render.h"
 
+#include <gtest/gtest.h>
 #include <array>
 #include <cstdint>
 #include <cstring>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 #include <string>
 #include <vector>
 
@@ -44,8 +44,8 @@ public:
     void add(const std::array<ScreenPoint, 3>& corners) {
         std::array<glm::vec3, 3> places;
         for (size_t i = 0; i < 3; ++i)
-            places[i] = {float((corners[i].x / 256 - width_ / 2.0) * corners[i].w), float(-(corners[i].y / 256 - height_ / 2.0) * corners[i].w),
-                         float(-corners[i].w)};
+            places[i] = {float((corners[i].x / 256 - width_ / 2.0) * corners[i].w),
+                         float(-(corners[i].y / 256 - height_ / 2.0) * corners[i].w), float(-corners[i].w)};
         addPlaces(places);
     }
     void addPlaces(const std::array<glm::vec3, 3>& places) {

@@ -57,8 +57,7 @@ Scene spheresScene(uint32_t seed, uint32_t count, bool whole) {
         scene.materials.push_back(m);
     }
     for (uint32_t i = 0; i < count; ++i)
-        scene.spheres.push_back(
-            {"", {r(-90, 90), r(-70, 70), r(-40, 40)}, i % 2 ? double(5 + r.below(40)) : r(1, 40), r.below(5)});
+        scene.spheres.push_back({"", {r(-90, 90), r(-70, 70), r(-40, 40)}, i % 2 ? double(5 + r.below(40)) : r(1, 40), r.below(5)});
     for (uint32_t i = 0; i < 5; ++i) {
         Light light;
         light.directional = i < 2;
@@ -118,9 +117,7 @@ void expectColour(const Scene& scene, const Candidate& c, const Number* drawn, c
         const Real80 lightError =
             light.directional
                 ? 2 * kUnit * 1.7320509L
-                : 1.7320509L * kUnit *
-                          (lengthOf(Vector(light.position) - eye) + 3 * lengthOf(position - eye) + distance) /
-                          distance +
+                : 1.7320509L * kUnit * (lengthOf(Vector(light.position) - eye) + 3 * lengthOf(position - eye) + distance) / distance +
                       kUnitLengthError;
         const int power = int(light.attenuation);
         const Real80 fade = light.directional ? 1 : std::pow(distance, Real80(-power)),
@@ -131,18 +128,17 @@ void expectColour(const Scene& scene, const Candidate& c, const Number* drawn, c
         const Real80 n = m.shininess, rv = glm::dot(Real80(2) * nl * normal - l, view);
         const Real80 highlight = n == 0 ? 1 : std::pow(std::max<Real80>(rv, 0), n);
         const Real80 mirrorError = 2 * (normalError + nlError) + lightError + 4 * kUnit;
-        const Real80 highlightError = n == 0 ? 0
-                                             : kPowerSlope * std::sqrt(std::max<Real80>(n, 1)) * mirrorError +
-                                                   n * mirrorError * mirrorError + precision.powerError +
-                                                   (n >= 1 ? precision.powerFloor * (rv < 0.01L) : 1);
+        const Real80 highlightError = n == 0
+                                          ? 0
+                                          : kPowerSlope * std::sqrt(std::max<Real80>(n, 1)) * mirrorError + n * mirrorError * mirrorError +
+                                                precision.powerError + (n >= 1 ? precision.powerFloor * (rv < 0.01L) : 1);
         for (int i = 0; i < 3; ++i) {
             const Real80 intensity = Real80(light.intensity[i]) * fade,
                          term = (lit ? Real80(m.diffuse[i]) * nl + Real80(m.specular[i]) * highlight : 0) * intensity;
             colour[i] += term;
-            bound[i] +=
-                intensity * (Real80(m.diffuse[i]) * nlError +
-                             Real80(m.specular[i]) * (lit || edge ? highlightError + (edge ? highlight : 0) : 0)) +
-                (fadeError + (4 + Real80(scene.lights.size())) * kUnit) * (term + colour[i]);
+            bound[i] += intensity * (Real80(m.diffuse[i]) * nlError +
+                                     Real80(m.specular[i]) * (lit || edge ? highlightError + (edge ? highlight : 0) : 0)) +
+                        (fadeError + (4 + Real80(scene.lights.size())) * kUnit) * (term + colour[i]);
         }
     }
     for (int i = 0; i < 3; ++i) {
@@ -165,8 +161,7 @@ std::vector<Candidate> candidates(const Scene& scene, uint32_t width, uint32_t h
         const Real80 root = std::sqrt(rest), z = scene.wholeSphereHeights ? std::nearbyint(root) : root;
         over.push_back({i, x, y, z, Real80(s.centre.z) - z - Real80(scene.camera->eye.z)});
     }
-    std::stable_sort(over.begin(), over.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.depth < b.depth; });
+    std::stable_sort(over.begin(), over.end(), [](const Candidate& a, const Candidate& b) { return a.depth < b.depth; });
     return over;
 }
 
@@ -179,8 +174,7 @@ void expectFormula(const Scene& scene, const Frame& frame, Verdict& v) {
             ASSERT_EQ(frame.object[at] == kNone, over.empty()) << "pixel (" << column << ", " << row << ")";
             if (over.empty()) continue;
             ++v.pixels;
-            const auto seen = std::find_if(over.begin(), over.end(),
-                                           [&](const Candidate& c) { return c.sphere == frame.object[at]; });
+            const auto seen = std::find_if(over.begin(), over.end(), [&](const Candidate& c) { return c.sphere == frame.object[at]; });
             ASSERT_NE(seen, over.end()) << "pixel (" << column << ", " << row << ") shows a sphere that is not there";
             // Depth: the centre, z, the difference and the division by the unit are rounded once each.
             const Real80 depthError = kUnit * (3 * seen->depth + 2 * seen->z);
@@ -227,8 +221,7 @@ TEST(SpheresTruth, IsTheFormulaAtEveryPixelAndSeesWhatThePassSees) {
                 ASSERT_EQ(truth.alpha[at], over.empty() ? 0 : 1);
                 if (over.empty()) continue;
                 ++v.pixels;
-                EXPECT_LE(std::abs(Real80(truth.depth[at]) - over[0].depth),
-                          kDoubleUnit * (3 * over[0].depth + 2 * over[0].z));
+                EXPECT_LE(std::abs(Real80(truth.depth[at]) - over[0].depth), kDoubleUnit * (3 * over[0].depth + 2 * over[0].z));
                 expectColour(scene, over[0], &truth.linear[3 * at], kTruth, v);
             }
         const FrameError error = errorOf(renderCpu(scene, request).frame, truth, request.encoding, false);
@@ -266,8 +259,7 @@ TEST(SpheresTruth, DecidesWithoutRounding) {
     // Equal depths where two equal spheres meet: the first is seen.
     const SphereShape left{"", {-4, 0, 0}, 5, 0}, right{"", {4, 0, 0}, 5, 0};
     for (int y = -3; y <= 3; ++y) EXPECT_EQ(seenAt(twoSpheres(left, right), 0, y), 0u);
-    EXPECT_EQ(seenAt(twoSpheres(left, {"", {4 - 0x1p-60, 0, 0}, 5, 0}), 0, 1), 0u)
-        << "4 - 2^-60 is 4 in binary64: the same";
+    EXPECT_EQ(seenAt(twoSpheres(left, {"", {4 - 0x1p-60, 0, 0}, 5, 0}), 0, 1), 0u) << "4 - 2^-60 is 4 in binary64: the same";
     EXPECT_EQ(seenAt(twoSpheres(left, {"", {4 - 0x1p-50, 0, 0}, 5, 0}), 0, 1), 1u);
     // A larger sphere behind a smaller one whose fronts touch: 0 - 5 = 8 - 13.
     for (const double moved : {-0x1p-40, 0.0, 0x1p-40}) {
@@ -333,12 +325,10 @@ TEST(SpheresOracle, WhatCannotBeDrawnIsRefusedBySentence) {
               "spheres: 10001 lights; --fill notes draws spheres under at most 10000");
     RenderRequest other = request;
     other.shading = Shading::gouraud;
-    EXPECT_EQ(refusalOf(with([](Scene&) {}), other, Exit::usage),
-              "--fill notes illuminates spheres at each pixel: --shading phong");
+    EXPECT_EQ(refusalOf(with([](Scene&) {}), other, Exit::usage), "--fill notes illuminates spheres at each pixel: --shading phong");
     other = request;
     other.samples = 4;
-    EXPECT_EQ(refusalOf(with([](Scene&) {}), other, Exit::usage),
-              "--fill notes draws one sample a pixel: leave --samples out");
+    EXPECT_EQ(refusalOf(with([](Scene&) {}), other, Exit::usage), "--fill notes draws one sample a pixel: leave --samples out");
 }
 
 }  // namespace

@@ -4,16 +4,16 @@
 #include "pipeline/render/trace_frame.h"
 #include "tests/support/ray_scenes.h"
 
+#include <fmt/core.h>
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 #include <string>
 #include <vector>
 
@@ -80,10 +80,12 @@ TEST_P(RasterAndRays, SeeTheSamePrimitive) {
                 ++equalDepth;
                 continue;
             }
-            ADD_FAILURE() << fmt::format("pixel ({}, {}): raster has object {} primitive {} at {}, rays have object {} primitive {} at {}", x, y, int(raster.object[i]),
-                                         int(raster.primitive[i]), a, int(rays.object[i]), int(rays.primitive[i]), b);
+            ADD_FAILURE() << fmt::format("pixel ({}, {}): raster has object {} primitive {} at {}, rays have object {} primitive {} at {}",
+                                         x, y, int(raster.object[i]), int(raster.primitive[i]), a, int(rays.object[i]),
+                                         int(rays.primitive[i]), b);
         }
-    std::printf("%s: %d pixels covered, %d differ within %.5f px of an edge, %d of them at equal depth\n", GetParam().c_str(), covered, differing, kEdge, equalDepth);
+    std::printf("%s: %d pixels covered, %d differ within %.5f px of an edge, %d of them at equal depth\n", GetParam().c_str(), covered,
+                differing, kEdge, equalDepth);
     EXPECT_GT(covered, 1000);
 }
 
@@ -93,20 +95,20 @@ std::vector<std::string> committedMeshes() {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(scenes)) {
         const std::string extension = entry.path().extension().string();
-        if (extension == ".obj" || extension == ".ply" || extension == ".off" || extension == ".stl" || extension == ".gltf" || extension == ".glb")
+        if (extension == ".obj" || extension == ".ply" || extension == ".off" || extension == ".stl" || extension == ".gltf" ||
+            extension == ".glb")
             names.push_back(std::filesystem::relative(entry.path(), scenes).generic_string());
     }
     std::sort(names.begin(), names.end());
     return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(Meshes, RasterAndRays,
-                         ::testing::ValuesIn(committedMeshes()),
-                         [](const auto& info) {
-                             std::string name = info.param;
-                             std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-                             return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Meshes, RasterAndRays, ::testing::ValuesIn(committedMeshes()), [](const auto& info) {
+    std::string name = info.param;
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+    return name;
+});
 
 // Row 15: rays from inside a closed mesh through its vertices and edges, at every scale and far from the origin: each meets it.
 TEST(TraceStress, NoRayLeaksThroughAClosedMesh) {
@@ -128,7 +130,9 @@ TEST(TraceStress, NoRayLeaksThroughAClosedMesh) {
             const TriangleTree tree = treeOfTriangles(corners);
             const std::vector<glm::uvec4>& nodes = tree.nodes;
             ASSERT_EQ(tree.leaves.size(), mesh.triangles.size());
-            const auto floats = [](const glm::uvec4& words) { return glm::vec3(gpu::realOf(int(words.x)), gpu::realOf(int(words.y)), gpu::realOf(int(words.z))); };
+            const auto floats = [](const glm::uvec4& words) {
+                return glm::vec3(gpu::realOf(int(words.x)), gpu::realOf(int(words.y)), gpu::realOf(int(words.z)));
+            };
             // A million radii away all boxes are alike, and every ray opens all of them.
             const bool all = std::getenv("PLUMB_LONG") != nullptr;
             const int rays = offset < 1e6 ? (all ? 1000000 : 66400) : all ? 100000 : 1000;  // 1,001,000 in all, or a million each
@@ -137,13 +141,15 @@ TEST(TraceStress, NoRayLeaksThroughAClosedMesh) {
                 const glm::vec3 &a = corners[3 * triangle + size_t(i % 3)], &b = corners[3 * triangle + size_t((i + 1) % 3)];
                 const glm::vec3 target = i % 2 ? a : a + (b - a) * float(r(0, 1));
                 const glm::vec3 o(centre + scale * 0.3 * glm::dvec3(r.direction()));
-                const glm::vec3 d = gpu::unitLength((target - o) * (1 / std::max({std::abs(target.x - o.x), std::abs(target.y - o.y), std::abs(target.z - o.z)})));
+                const glm::vec3 d = gpu::unitLength(
+                    (target - o) * (1 / std::max({std::abs(target.x - o.x), std::abs(target.y - o.y), std::abs(target.z - o.z)})));
                 const gpu::RayFrame frame = gpu::frameOfRay(o, d, reach);
                 float t = gpu::kFarthestHit;
                 uint32_t best = gpu::kNoObject, bruteBest = gpu::kNoObject;
                 for (uint32_t child = 0; child < nodes.size() / 2;) {
                     const glm::uvec4 &low = nodes[2 * child], &high = nodes[2 * child + 1];
-                    const bool open = gpu::opens(gpu::entryOfBox(frame, floats(low), floats(high)), gpu::exitOfBox(frame, floats(low), floats(high)), t);
+                    const bool open =
+                        gpu::opens(gpu::entryOfBox(frame, floats(low), floats(high)), gpu::exitOfBox(frame, floats(low), floats(high)), t);
                     const bool leaf = low.w & gpu::kLeaf;
                     if (open && leaf) {
                         const uint32_t k = tree.leaves[low.w & ~gpu::kLeaf];

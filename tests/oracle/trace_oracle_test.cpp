@@ -6,13 +6,13 @@
 #include "tests/support/plain_picture.h"
 #include "tests/support/ray_scenes.h"
 
+#include <fmt/core.h>
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -33,7 +33,8 @@ class TraceOracleRows : public ::testing::TestWithParam<Row> {};
 // reach / radius where the surface is curved; mirrors spread what comes before, so an error counts in full only where it arises.
 double edgeOf(const Scene& s, double focal) {
     double reach = 0, least = 1;
-    for (const SphereShape& b : s.spheres) reach = std::max(reach, glm::length(b.centre - s.camera->eye) + b.radius), least = std::min(least, b.radius);
+    for (const SphereShape& b : s.spheres)
+        reach = std::max(reach, glm::length(b.centre - s.camera->eye) + b.radius), least = std::min(least, b.radius);
     return s.maxDepth * 64 * kU * (1 + reach / least) * focal;
 }
 
@@ -65,7 +66,8 @@ TEST_P(TraceOracleRows, EveryPixelAwayFromAnEdgeIsRight) {
             for (int k = 0; k < 8; ++k) {
                 const OracleSeen beside = at(edge * std::cos(k * 0.7853981634), edge * std::sin(k * 0.7853981634));
                 nearEdge |= beside.path != centre.path;
-                for (int c = 0; c < 3; ++c) low[c] = std::min(low[c], srgb8(beside.colour[c])), high[c] = std::max(high[c], srgb8(beside.colour[c]));
+                for (int c = 0; c < 3; ++c)
+                    low[c] = std::min(low[c], srgb8(beside.colour[c])), high[c] = std::max(high[c], srgb8(beside.colour[c]));
             }
             const size_t i = size_t(y) * request.width + x;
             bool far = false;
@@ -77,15 +79,18 @@ TEST_P(TraceOracleRows, EveryPixelAwayFromAnEdgeIsRight) {
             differing += far;
             if (nearEdge) continue;
             EXPECT_EQ(int(result.frame.object[i]), centre.object) << "pixel " << x << ", " << y;
-            EXPECT_FALSE(far) << fmt::format("pixel ({}, {}): twin {} {} {}, oracle {} {} {}", x, y, result.frame.linear[3 * i], result.frame.linear[3 * i + 1],
-                                             result.frame.linear[3 * i + 2], centre.colour.x, centre.colour.y, centre.colour.z);
+            EXPECT_FALSE(far) << fmt::format("pixel ({}, {}): twin {} {} {}, oracle {} {} {}", x, y, result.frame.linear[3 * i],
+                                             result.frame.linear[3 * i + 1], result.frame.linear[3 * i + 2], centre.colour.x,
+                                             centre.colour.y, centre.colour.z);
             if (centre.object < 0) continue;
             // From the shape of the solution: t is off by the direction's and the radicand's rounding, relative to the way, over the
             // cosine at which the surface is met; the hull of the neighbours bounds that.
-            EXPECT_NEAR(double(result.frame.distance[i]), centre.distance, 64 * kU * centre.distance + std::abs(at(edge, 0).distance - centre.distance) +
-                                                                               std::abs(at(0, edge).distance - centre.distance));
+            EXPECT_NEAR(double(result.frame.distance[i]), centre.distance,
+                        64 * kU * centre.distance + std::abs(at(edge, 0).distance - centre.distance) +
+                            std::abs(at(0, edge).distance - centre.distance));
         }
-    std::printf("%s: %d of %u pixels within %.2g px of an edge, %d differ by more than a level\n", GetParam().name, nearEdges, request.width * request.height, edge, differing);
+    std::printf("%s: %d of %u pixels within %.2g px of an edge, %d differ by more than a level\n", GetParam().name, nearEdges,
+                request.width * request.height, edge, differing);
     EXPECT_LT(nearEdges, int(request.width * request.height * 3 / 4)) << "the oracle would say nothing";
 }
 
@@ -129,7 +134,8 @@ TEST(TraceStress, SpheresOfEverySizeAndDistance) {
                 if (!hits) continue;
                 EXPECT_NEAR(double(glm::length(glm::dvec3(hit.offset))), rr, 32 * kU * size) << "radius " << radius << ", distance " << way;
             }
-    std::printf("row 13: %llu rays, %llu decided otherwise within the bound\n", static_cast<unsigned long long>(asked), static_cast<unsigned long long>(wrong));
+    std::printf("row 13: %llu rays, %llu decided otherwise within the bound\n", static_cast<unsigned long long>(asked),
+                static_cast<unsigned long long>(wrong));
 }
 
 // Row 13 from close by: every radius, gaps from 2^-30 of it to 16 of them, the eye and other origins near it outside and inside. What float32 gives is
@@ -142,7 +148,8 @@ TEST(TraceStress, SpheresFromCloseBy) {
             for (const bool inside : {false, true}) {
                 if (inside && ratio > -1) continue;
                 for (int i = 0; i < 60; ++i) {
-                    const long double radius = std::pow(10.0L, size), gap = std::ldexp(radius, ratio) * (1 + r(0, 1)) * (inside ? -0.5L : 1.0L);
+                    const long double radius = std::pow(10.0L, size),
+                                      gap = std::ldexp(radius, ratio) * (1 + r(0, 1)) * (inside ? -0.5L : 1.0L);
                     const glm::dvec3 down = r.direction();
                     long double centre[3];
                     vec3 c;
@@ -153,7 +160,9 @@ TEST(TraceStress, SpheresFromCloseBy) {
                     const bool eye = i % 2 == 0;
                     const vec3 o = eye ? vec3(0) : vec3(r.direction()) * float(std::abs(gap) * r(0, 0.9));
                     vec3 d = gpu::unitLength(vec3(r.direction()));
-                    if (i % 3 == 0) d = gpu::unitLength(d - vec3(down) * float(glm::dot(glm::dvec3(d), down) - r(0, 2) * std::sqrt(2 * double(std::abs(gap) / radius))));
+                    if (i % 3 == 0)
+                        d = gpu::unitLength(d - vec3(down) * float(glm::dot(glm::dvec3(d), down) -
+                                                                   r(0, 2) * std::sqrt(2 * double(std::abs(gap) / radius))));
                     const gpu::SphereHit hit = gpu::hitSphere(o, d, c, float(radius), power, gpu::kStartElsewhere, true, true);
                     long double k = 0, dd = 0, oo = 0, oc = 0, spread = 0;
                     for (int a = 0; a < 3; ++a) {
@@ -162,12 +171,15 @@ TEST(TraceStress, SpheresFromCloseBy) {
                         dd += static_cast<long double>(d[a]) * d[a];
                         oo += static_cast<long double>(o[a]) * o[a];
                         oc += static_cast<long double>(o[a]) * centre[a];
-                        spread += std::abs(static_cast<long double>(o[a])) * (std::abs(static_cast<long double>(o[a])) + 2 * std::abs(centre[a]));
+                        spread +=
+                            std::abs(static_cast<long double>(o[a])) * (std::abs(static_cast<long double>(o[a])) + 2 * std::abs(centre[a]));
                     }
-                    const long double p = (std::sqrt(cc) - radius) * (std::sqrt(cc) + radius) + oo - 2 * oc, reach = std::sqrt(cc) + std::sqrt(oo);
+                    const long double p = (std::sqrt(cc) - radius) * (std::sqrt(cc) + radius) + oo - 2 * oc,
+                                      reach = std::sqrt(cc) + std::sqrt(oo);
                     // powerAt: 5 u of its terms, u of the eye's power, u of the centre in 2 o.c; further off than two radii the plain form: 8 u of both squares.
                     const bool near = gpu::startsClose(o, c, float(radius));
-                    const long double powerError = kU * (near ? 8 * spread + 2 * std::abs(p) + 2 * std::abs(double(power)) : 8 * (reach * reach + radius * radius));
+                    const long double powerError =
+                        kU * (near ? 8 * spread + 2 * std::abs(p) + 2 * std::abs(double(power)) : 8 * (reach * reach + radius * radius));
                     // k: its three products and sums, and the centre's rounding; the far form's refinement adds its own.
                     const long double alongError = 8 * kU * reach;
                     ++asked;
@@ -184,10 +196,13 @@ TEST(TraceStress, SpheresFromCloseBy) {
                         return along > 0 ? outside / (along + h) : 0;
                     };
                     const int toward = p < 0 ? -1 : 1;
-                    long double least = way(k + toward * alongError, p - powerError), greatest = way(k - toward * alongError, p + powerError);
+                    long double least = way(k + toward * alongError, p - powerError),
+                                greatest = way(k - toward * alongError, p + powerError);
                     if (p < 0) least = way(k - alongError, p + powerError), greatest = way(k + alongError, p - powerError);
                     const bool meets = hit.t > 0;
-                    const auto where = [&] { return fmt::format("radius 1e{}, gap 2^{}{}, {}", size, ratio, inside ? " inside" : "", eye ? "eye" : "elsewhere"); };
+                    const auto where = [&] {
+                        return fmt::format("radius 1e{}, gap 2^{}{}, {}", size, ratio, inside ? " inside" : "", eye ? "eye" : "elsewhere");
+                    };
                     if (!near && p > 0) {  // the plain form's own test has that bound
                         ++open;
                         continue;
@@ -203,7 +218,8 @@ TEST(TraceStress, SpheresFromCloseBy) {
                     EXPECT_LE(hit.t, greatest * (1 + 24 * kU)) << where();
                 }
             }
-    std::printf("row 13 from close by: %llu rays, %llu left open\n", static_cast<unsigned long long>(asked), static_cast<unsigned long long>(open));
+    std::printf("row 13 from close by: %llu rays, %llu left open\n", static_cast<unsigned long long>(asked),
+                static_cast<unsigned long long>(open));
     EXPECT_LT(open, asked / 4) << "the closed form would say little";
 }
 
@@ -216,7 +232,8 @@ TEST(TraceStress, GrazingRaysAreMetOrCounted) {
             vec3 along = glm::cross(n, vec3(r.direction()));
             along = along / glm::length(along);
             const vec3 d = gpu::unitLength(along - n * float(std::pow(10.0, -k)));
-            const gpu::PlaneHit hit = gpu::hitPlane(n * 2.0f, d, {n, 0}, {along, 0}, {glm::cross(n, along), 0}, {-1e30f, 1e30f, -1e30f, 1e30f}, true, gpu::kStartElsewhere);
+            const gpu::PlaneHit hit = gpu::hitPlane(n * 2.0f, d, {n, 0}, {along, 0}, {glm::cross(n, along), 0},
+                                                    {-1e30f, 1e30f, -1e30f, 1e30f}, true, gpu::kStartElsewhere);
             if (hit.undecided) {
                 EXPECT_EQ(hit.t, 0.0f);
                 EXPECT_GE(k, 6);
@@ -287,7 +304,8 @@ TEST(TraceStress, FromInsideTheFarSideIsMet) {
         }
         selfHits += !(own.t > 0.5 * chord) || !(stranger.t > 0.5 * chord);
     }
-    std::printf("row 17: 1000000 rays, %llu of them along the surface or on spheres too small for their distance\n", static_cast<unsigned long long>(beyond));
+    std::printf("row 17: 1000000 rays, %llu of them along the surface or on spheres too small for their distance\n",
+                static_cast<unsigned long long>(beyond));
     EXPECT_EQ(selfHits, 0u);
 }
 
@@ -318,8 +336,8 @@ TEST(TraceStress, NoRayLeavesABoxOfMirrors) {
             gpu::PlaneHit hit{};
             for (uint32_t i = 0; i < 6; ++i) {
                 const gpu::PlaneRecord& w = walls[i];
-                const gpu::PlaneHit h = gpu::hitPlane(o, d, {w.normal, w.distance}, {w.u, 0}, {w.v, 0}, {w.uMin, w.uMax, w.vMin, w.vMax}, true,
-                                                      gpu::startOn(i, from, false));
+                const gpu::PlaneHit h = gpu::hitPlane(o, d, {w.normal, w.distance}, {w.u, 0}, {w.v, 0}, {w.uMin, w.uMax, w.vMin, w.vMax},
+                                                      true, gpu::startOn(i, from, false));
                 if (gpu::isNearer(h.t, i, t, best)) t = h.t, best = i, hit = h;
             }
             if (best == gpu::kNoObject) {

@@ -8,13 +8,13 @@
 #include "tests/oracle/screen_scene.h"
 #include "tests/support/scenes.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fmt/core.h>
-#include <cmath>
 #include <glm/glm.hpp>
 #include <random>
 #include <string>
@@ -47,8 +47,7 @@ RenderRequest requestOf(uint32_t width, uint32_t height, uint32_t samples = 1) {
 TEST(TruthExact, SumsAndProductsLoseNothing) {
     test::Random random(1);
     for (int i = 0; i < 2000; ++i) {
-        const double a = std::ldexp(random(-1, 1), int(random(-200, 200))),
-                     b = std::ldexp(random(-1, 1), int(random(-200, 200)));
+        const double a = std::ldexp(random(-1, 1), int(random(-200, 200))), b = std::ldexp(random(-1, 1), int(random(-200, 200)));
         const Exact x = a, y = b;
         EXPECT_EQ(((x + y) * (x - y) - (x * x - y * y)).sign(), 0);
         EXPECT_EQ(((x + y) - y - x).sign(), 0);
@@ -60,8 +59,7 @@ TEST(TruthExact, SumsAndProductsLoseNothing) {
     EXPECT_EQ((Exact(1) - Exact(0x1p-1000) - Exact(1)).sign(), -1);
     EXPECT_EQ(Exact(0.0).sign(), 0);
     EXPECT_EQ((Exact(-3) * Exact(0x1p-1074)).rounded(), -3 * 0x1p-1074);
-    EXPECT_EQ((Exact(0x1.fffffffffffffp1023) * Exact(2) - Exact(0x1.fffffffffffffp1023)).rounded(),
-              0x1.fffffffffffffp1023);
+    EXPECT_EQ((Exact(0x1.fffffffffffffp1023) * Exact(2) - Exact(0x1.fffffffffffffp1023)).rounded(), 0x1.fffffffffffffp1023);
 }
 
 // --- closed forms -----------------------------------------------------------------------------------------------------------------------
@@ -123,8 +121,7 @@ Vector80 phong80(const Scene& s, const Material& m, const Vector80& n, const Vec
         const Real80 rv = dot80(r, v), shine = m.shininess == 0 ? 1 : rv > 0 ? std::pow(rv, Real80(m.shininess)) : 0;
         const Real80 fade = light.directional ? 1 : std::pow(distance, -Real80(int(light.attenuation)));
         for (int c = 0; c < 3; ++c)
-            colour[size_t(c)] +=
-                Real80(light.intensity[c]) * fade * (Real80(m.diffuse[c]) * nl + Real80(m.specular[c]) * shine);
+            colour[size_t(c)] += Real80(light.intensity[c]) * fade * (Real80(m.diffuse[c]) * nl + Real80(m.specular[c]) * shine);
     }
     return colour;
 }
@@ -157,8 +154,7 @@ TEST(Truth, OneTriangleHasKnownWeightsDepthAndColour) {
             EXPECT_LE(std::abs(double(t.depth[at] - w)), slack(condition) * double(w)) << x << ", " << y;
             const Vector80 colour = phong80(one.scene, one.scene.materials[0], unit80(n), p);
             for (size_t c = 0; c < 3; ++c)
-                EXPECT_LE(std::abs(double(t.linear[3 * at + c] - colour[c])), slack(condition) * 40 * 4)
-                    << x << ", " << y;
+                EXPECT_LE(std::abs(double(t.linear[3 * at + c] - colour[c])), slack(condition) * 40 * 4) << x << ", " << y;
         }
     EXPECT_GT(inside, 500u);
 }
@@ -167,9 +163,8 @@ TEST(Truth, APlaneHasThePlanesDepth) {
     // The floor y = -1 under an eye at the origin: a ray (X, Y, 1) with the focal length f meets it at w = f / Y.
     const test::View view{64, 40};
     const float far = 64;
-    const std::vector<test::Corners> floor = {
-        {glm::vec3(-far, -1, far), glm::vec3(-far, -1, -far), glm::vec3(far, -1, -far)},
-        {glm::vec3(-far, -1, far), glm::vec3(far, -1, -far), glm::vec3(far, -1, far)}};
+    const std::vector<test::Corners> floor = {{glm::vec3(-far, -1, far), glm::vec3(-far, -1, -far), glm::vec3(far, -1, -far)},
+                                              {glm::vec3(-far, -1, far), glm::vec3(far, -1, -far), glm::vec3(far, -1, far)}};
     const Truth t = truthOf(test::sceneOf(floor), requestOf(view.width, view.height));
     uint32_t seen = 0;
     for (uint32_t y = 0; y < view.height; ++y)
@@ -191,9 +186,7 @@ TEST(Truth, ASphereIsShadedByItsTrueNormals) {
     // A tessellated sphere with radial normals: any weights give the direction from its centre, so the colour follows from the depth alone.
     const test::View view{96, 96};
     Scene scene = test::litScene();
-    TriangleMesh sphere =
-        test::committed(std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes/procedural/icosphere.ply", {96, 96})
-            .meshes[0];
+    TriangleMesh sphere = test::committed(std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes/procedural/icosphere.ply", {96, 96}).meshes[0];
     for (size_t i = 0; i < sphere.positions.size(); ++i) sphere.normals[i] = sphere.positions[i];  // radial; any length
     for (uint32_t& m : sphere.vertexMaterial) m = 0;
     for (uint32_t& m : sphere.faceMaterial) m = 0;
@@ -213,14 +206,12 @@ TEST(Truth, ASphereIsShadedByItsTrueNormals) {
             if (t.object[at] == kNone) continue;
             ++seen;
             const Real80 w = t.depth[at];
-            const Vector80 p{(x + 0.5L - view.width / 2.0L) / test::kFocal * w,
-                             (view.height / 2.0L - y - 0.5L) / test::kFocal * w, -w};
+            const Vector80 p{(x + 0.5L - view.width / 2.0L) / test::kFocal * w, (view.height / 2.0L - y - 0.5L) / test::kFocal * w, -w};
             const Vector80 radial{p[0] - 0.25L, p[1] + 0.125L, p[2] + 4};
             EXPECT_LE(std::sqrt(dot80(radial, radial)), Real80(radius) * (1 + slack(1)));
             const Vector80 colour = phong80(scene, scene.materials[0], unit80(radial), p);
             for (size_t c = 0; c < 3; ++c)
-                EXPECT_LE(std::abs(double(t.linear[3 * at + c] - colour[c])), slack(96 * 96) * 20 * 4)
-                    << x << ", " << y;
+                EXPECT_LE(std::abs(double(t.linear[3 * at + c] - colour[c])), slack(96 * 96) * 20 * 4) << x << ", " << y;
         }
     EXPECT_GT(seen, 2000u);
 }
@@ -240,12 +231,11 @@ TEST(Truth, SamplesAreTheMeanOfALargerPicture) {
         for (uint32_t x = 0; x < 64; ++x) {
             const size_t at = y * 64 + x, corner = size_t(2 * y) * 128 + 2 * x;
             for (size_t c = 0; c < 3; ++c) {
-                const double sum = one.linear[3 * corner + c] + one.linear[3 * (corner + 1) + c] +
-                                   one.linear[3 * (corner + 128) + c] + one.linear[3 * (corner + 129) + c];
+                const double sum = one.linear[3 * corner + c] + one.linear[3 * (corner + 1) + c] + one.linear[3 * (corner + 128) + c] +
+                                   one.linear[3 * (corner + 129) + c];
                 ASSERT_EQ(four.linear[3 * at + c], sum / 4);
             }
-            ASSERT_EQ(four.primitive[at], one.primitive[corner + 129])
-                << "the sample at (side / 2, side / 2) stands for the pixel";
+            ASSERT_EQ(four.primitive[at], one.primitive[corner + 129]) << "the sample at (side / 2, side / 2) stands for the pixel";
             ASSERT_EQ(four.depth[at], one.depth[corner + 129]);
         }
 }
@@ -274,35 +264,31 @@ TEST(Truth, CoverageOnTheGridIsThatOfTheRationalWitness) {
         for (const oracle::CoveredSpan& span : oracle::coveredSpans(place, 64, 48))
             for (int x = span.first; x < span.end; ++x) expected[size_t(span.row) * 64 + size_t(x)] = true, ++covered;
         for (size_t at = 0; at < expected.size(); ++at)
-            ASSERT_EQ(t.object[at] != kNone, expected[at])
-                << "trial " << trial << ", pixel " << at % 64 << ", " << at / 64;
+            ASSERT_EQ(t.object[at] != kNone, expected[at]) << "trial " << trial << ", pixel " << at % 64 << ", " << at / 64;
         redone += t.redone;
     }
     EXPECT_GT(covered, 20000u);
     EXPECT_GT(redone, 100u) << "ties must have been met, or nothing was tried";
-    fmt::print("truth: {} pixels of 150 triangles on the grid, {} decisions without rounding, 0 differ\n", covered,
-               redone);
+    fmt::print("truth: {} pixels of 150 triangles on the grid, {} decisions without rounding, 0 differ\n", covered, redone);
 }
 
 // Where the passes need no rounding, what they see is what is there.
 TEST(Truth, TiesInDepthAndOnEdgesGoWhereTheConventionsSay) {
     for (const char* name : {"throughCentres", "equalDepths", "soup"}) {
         const test::View view{131, 67};
-        Scene scene =
-            std::string(name) == "throughCentres" ? test::throughCentres(view)
-            : std::string(name) == "equalDepths"
-                ? test::equalDepths(view)
-                : [&] {
-                      // Triangles parallel to the screen at depths 1, 2, 4: no depth is rounded.
-                      test::Random r(3);
-                      std::vector<test::Corners> triangles(120);
-                      for (test::Corners& c : triangles) {
-                          const double w = std::exp2(std::floor(r(0, 3)));
-                          for (glm::vec3& p : c)
-                              p = view.pointAt(std::floor(r(-10, 141)) + 0.5, std::floor(r(-10, 77)) + 0.5, w);
-                      }
-                      return test::sceneOf(triangles);
-                  }();
+        Scene scene = std::string(name) == "throughCentres" ? test::throughCentres(view)
+                      : std::string(name) == "equalDepths"
+                          ? test::equalDepths(view)
+                          : [&] {
+                                // Triangles parallel to the screen at depths 1, 2, 4: no depth is rounded.
+                                test::Random r(3);
+                                std::vector<test::Corners> triangles(120);
+                                for (test::Corners& c : triangles) {
+                                    const double w = std::exp2(std::floor(r(0, 3)));
+                                    for (glm::vec3& p : c) p = view.pointAt(std::floor(r(-10, 141)) + 0.5, std::floor(r(-10, 77)) + 0.5, w);
+                                }
+                                return test::sceneOf(triangles);
+                            }();
         uint64_t redone = 0, drawn = 0;
         for (const bool cull : {false, true})
             for (const bool left : {false, true})
@@ -357,8 +343,7 @@ TEST(Truth, CanBeInterruptedAndRefusesWireFrames) {
 
 Scene suzanne() { return test::committed(std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes/suzanne.toml", {160, 120}); }
 
-FrameError errorOfTwin(const Scene& drawn, const Scene& real, Shading shading = Shading::phong,
-                       Encoding encoding = Encoding::srgb) {
+FrameError errorOfTwin(const Scene& drawn, const Scene& real, Shading shading = Shading::phong, Encoding encoding = Encoding::srgb) {
     RenderRequest request = requestOf(160, 120);
     request.shading = shading;
     request.encoding = encoding;
@@ -367,16 +352,14 @@ FrameError errorOfTwin(const Scene& drawn, const Scene& real, Shading shading = 
 
 // float32 and 1/256 px must cost something: an error of 0 would mean that a picture is compared with itself.
 TEST(TruthError, IsNeverZeroByConstruction) {
-    for (const char* file :
-         {"suzanne.toml", "cornell.toml", "mug.toml", "still-life.toml", "pyramid.toml", "cylinder.toml"}) {
+    for (const char* file : {"suzanne.toml", "cornell.toml", "mug.toml", "still-life.toml", "pyramid.toml", "cylinder.toml"}) {
         Scene scene = loadScene({std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes" / file}, {});
         const glm::uvec2 size = scene.size.x != 0 && scene.camera->focalPixels > 0 ? scene.size : glm::uvec2(160, 120);
         completeScene(scene, size, "", false);
         for (const Shading shading : {Shading::unlit, Shading::flat, Shading::gouraud, Shading::phong}) {
             RenderRequest request = requestOf(size.x, size.y);
             request.shading = shading;
-            const FrameError e =
-                errorOf(renderCpu(scene, request).frame, truthOf(scene, request), Encoding::srgb, false);
+            const FrameError e = errorOf(renderCpu(scene, request).frame, truthOf(scene, request), Encoding::srgb, false);
             EXPECT_GT(e.linear.max, 0) << file;
             EXPECT_GT(e.unrounded.rms, 0) << file;
             EXPECT_GT(e.picture.rms, 0) << file;
@@ -420,8 +403,7 @@ TEST(TruthError, TheTruthHasTheViewerOfTheScene) {
 
 TEST(TruthError, OrdersTheShadings) {
     const Scene scene = suzanne();
-    const double unlit = errorOfTwin(scene, scene, Shading::unlit).picture.rms,
-                 flat = errorOfTwin(scene, scene, Shading::flat).picture.rms,
+    const double unlit = errorOfTwin(scene, scene, Shading::unlit).picture.rms, flat = errorOfTwin(scene, scene, Shading::flat).picture.rms,
                  gouraud = errorOfTwin(scene, scene, Shading::gouraud).picture.rms;
     const FrameError phong = errorOfTwin(scene, scene);
     EXPECT_GT(unlit, flat);
@@ -567,8 +549,7 @@ TEST(TruthError, ANumberThatIsNoneFailsFirst) {
 
 TEST(TruthError, BothCurvesAreMeasuredInTheSameSteps) {
     const Scene scene = suzanne();
-    const FrameError srgb = errorOfTwin(scene, scene),
-                     linear = errorOfTwin(scene, scene, Shading::phong, Encoding::linear);
+    const FrameError srgb = errorOfTwin(scene, scene), linear = errorOfTwin(scene, scene, Shading::phong, Encoding::linear);
     EXPECT_EQ(srgb.linear.max, linear.linear.max) << "the curve does not change the light";
     EXPECT_GT(linear.picture.rms, srgb.picture.rms) << "a linear byte is coarse in the dark";
 }

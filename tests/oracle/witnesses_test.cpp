@@ -5,9 +5,9 @@
 #include "tests/oracle/coverage_oracle.h"
 #include "tests/oracle/fixed_function.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cstdint>
-#include <gtest/gtest.h>
 
 #include <numeric>
 #include <random>
@@ -88,7 +88,8 @@ TEST(Witnesses, AgreeOnRandomTrianglesOfEverySize) {
                 for (SubpixelPoint& p : triangle) {
                     const SubpixelPoint d = randomPoint(random, -extent / 2, extent / 2);
                     // Within kGuard, with room to spare.
-                    p = {std::clamp<int64_t>(centre.x + d.x, -kSide * 128, kSide * 384), std::clamp<int64_t>(centre.y + d.y, -kSide * 128, kSide * 384)};
+                    p = {std::clamp<int64_t>(centre.x + d.x, -kSide * 128, kSide * 384),
+                         std::clamp<int64_t>(centre.y + d.y, -kSide * 128, kSide * 384)};
                 }
                 triangles.push_back(triangle);
             }

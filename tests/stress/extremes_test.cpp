@@ -8,6 +8,7 @@
 #include "tests/oracle/screen_scene.h"
 #include "tests/support/temporary_folder.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +16,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fmt/core.h>
 #include <functional>
 #include <glm/glm.hpp>
 #include <random>
@@ -96,8 +96,10 @@ std::string refusalOf(const std::function<void()>& action) {
 std::string objOfTorus(const std::string& exponent) {
     std::string text;
     const TriangleMesh mesh = loadScene({std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes/procedural/torus.ply"}, {}).meshes[0];
-    for (const glm::vec3& p : mesh.positions) text += fmt::format("v {:.9f}{} {:.9f}{} {:.9f}{}\n", p.x, exponent, p.y, exponent, p.z, exponent);
-    for (const TriangleMesh::Triangle& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t.vertex[0] + 1, t.vertex[1] + 1, t.vertex[2] + 1);
+    for (const glm::vec3& p : mesh.positions)
+        text += fmt::format("v {:.9f}{} {:.9f}{} {:.9f}{}\n", p.x, exponent, p.y, exponent, p.z, exponent);
+    for (const TriangleMesh::Triangle& t : mesh.triangles)
+        text += fmt::format("f {} {} {}\n", t.vertex[0] + 1, t.vertex[1] + 1, t.vertex[2] + 1);
     return text;
 }
 
@@ -144,8 +146,8 @@ TEST(Extremes, Row01CoordinateDecades) {
     }
     EXPECT_LE(lowest, -29);
     EXPECT_GE(highest, 29);
-    fmt::print("row 1: decades 10^{} to 10^{} drawn ({}), {} refused by name; at most {} of {} pixels take another triangle\n", lowest, highest, drawn - 1, refused, most,
-               reference.coveredPixels);
+    fmt::print("row 1: decades 10^{} to 10^{} drawn ({}), {} refused by name; at most {} of {} pixels take another triangle\n", lowest,
+               highest, drawn - 1, refused, most, reference.coveredPixels);
 }
 
 // Row 2. Every light kind; attenuations with intensities in the same units.
@@ -161,7 +163,8 @@ TEST(Extremes, Row02BinaryScale) {
                 Scene other = scaled(scene, std::exp2(k));
                 const int power = attenuation == Attenuation::none ? 0 : attenuation == Attenuation::inverse ? 1 : 2;
                 other.lights.back().intensity = glm::vec3(std::ldexp(0.3f, power * k));
-                if (power == 2 && std::abs(k) == 60) test::expectDeviceEqualsTwin(other, requestOf(kSize.x, kSize.y, shading), fmt::format("2^{}", k));
+                if (power == 2 && std::abs(k) == 60)
+                    test::expectDeviceEqualsTwin(other, requestOf(kSize.x, kSize.y, shading), fmt::format("2^{}", k));
                 if (hashOf(renderCpu(other, requestOf(kSize.x, kSize.y, shading)).frame) == want)
                     ++equal;
                 else
@@ -207,11 +210,15 @@ TEST(Extremes, Row04NotFinite) {
             const std::string position = f[0] + " " + f[1] + " " + f[2], normal = f[3] + " " + f[4] + " " + f[5];
             std::vector<std::pair<std::string, std::string>> files{
                 {"a.obj", "v " + position + "\nv 1 0 0\nv 0 1 0\nvn " + normal + "\nf 1//1 2//1 3//1\n"},
-                {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
-                          "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + position + " " + normal + "\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"}};
+                {"a.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+                 "nx\nproperty float ny\nproperty float nz\n"
+                 "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+                     position + " " + normal + "\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"}};
             if (field < 3) {
                 files.push_back({"a.off", "OFF\n3 1 0\n" + position + "\n1 0 0\n0 1 0\n3 0 1 2\n"});
-                files.push_back({"a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex " + position + "\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n"});
+                files.push_back({"a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex " + position +
+                                              "\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n"});
             }
             for (const auto& [name, text] : files) {
                 const std::string refusal = refusalOf([&, name = name, text = text] { loadScene({folder.write(name, text)}, {}); });
@@ -232,7 +239,8 @@ TEST(Extremes, Row05NoArea) {
     test::ScreenScene s(128, 128);
     for (int i = 0; i < count; ++i) {
         const int k = kind(random), x = place(random), y = place(random), dx = step(random), dy = step(random), n = factor(random);
-        const test::ScreenPoint a{double(x), double(y), 1}, b{double(x + dx), double(y + dy), 2}, c{double(x + n * dx), double(y + n * dy), 4};
+        const test::ScreenPoint a{double(x), double(y), 1}, b{double(x + dx), double(y + dy), 2},
+            c{double(x + n * dx), double(y + n * dy), 4};
         if (k == 0) s.add({a, a, b});
         if (k == 1) s.add({a, b, a});
         if (k == 2) s.add({a, a, a});
@@ -261,7 +269,8 @@ struct OneTriangle {
         draw = gpu::drawTriangle(0, 1, 2, p[0], p[1], p[2], 0);
     }
     bool hasArea() const {
-        return __int128_t(place[1].x - place[0].x) * (place[2].y - place[0].y) != __int128_t(place[1].y - place[0].y) * (place[2].x - place[0].x);
+        return __int128_t(place[1].x - place[0].x) * (place[2].y - place[0].y) !=
+               __int128_t(place[1].y - place[0].y) * (place[2].x - place[0].x);
     }
 };
 
@@ -283,7 +292,8 @@ TEST(Extremes, Row06Needles) {
         t[0] = {place(random), place(random)};
         t[1] = {place(random), place(random)};
         const int width = i % 4 ? thin(random) : 1 << (i / 4 % 12);
-        t[2] = i % 2 ? oracle::SubpixelPoint{t[1].x + width, t[1].y} : oracle::SubpixelPoint{(t[0].x + t[1].x) / 2, (t[0].y + t[1].y) / 2 + width};
+        t[2] = i % 2 ? oracle::SubpixelPoint{t[1].x + width, t[1].y}
+                     : oracle::SubpixelPoint{(t[0].x + t[1].x) / 2, (t[0].y + t[1].y) / 2 + width};
         const std::array<float, 3> depth{std::exp2(exponent(random)), std::exp2(exponent(random)), std::exp2(exponent(random))};
         const OneTriangle one(t, depth);
         if (!one.hasArea()) continue;
@@ -311,8 +321,10 @@ TEST(Extremes, Row06Needles) {
     EXPECT_GT(pixels, uint64_t(count));
     std::string bars;
     for (uint64_t n : histogram) bars += fmt::format(" {}", n);
-    fmt::print("row 6: {} needles from 2^-8 px, {} pixels: depth error at most {:.2f} u of the largest corner (bound {:.1f}); by quarters of u:{}\n", count, pixels, worst,
-               kDepthBound / kUnit, bars);
+    fmt::print(
+        "row 6: {} needles from 2^-8 px, {} pixels: depth error at most {:.2f} u of the largest corner (bound {:.1f}); by quarters of "
+        "u:{}\n",
+        count, pixels, worst, kDepthBound / kUnit, bars);
     test::ScreenScene s(kSide, kSide);
     for (int i = 0; i < 2000; ++i) {
         const double x = place(random), y = place(random);
@@ -349,7 +361,8 @@ TEST(Extremes, Row07SharedEdges) {
             int owners = 0;
             for (const OneTriangle& one : {OneTriangle({a, b, p}), OneTriangle({a, q, b})}) {
                 if (!one.hasArea()) continue;
-                fillCpu({px + 1, width, py, 1}, {&one.draw, 1}, one.screen, std::span(z).first(size_t(px) + 1), std::span(draw).first(size_t(px) + 1), 1);
+                fillCpu({px + 1, width, py, 1}, {&one.draw, 1}, one.screen, std::span(z).first(size_t(px) + 1),
+                        std::span(draw).first(size_t(px) + 1), 1);
                 owners += draw[size_t(px)] != 0;
             }
             ++pairs;
@@ -359,7 +372,8 @@ TEST(Extremes, Row07SharedEdges) {
         }
     }
     EXPECT_GT(pairs, uint64_t(count) * 2);
-    fmt::print("row 7: {} shared edges through or beside pixel centres, frames of 512 to 16384 px: {} gaps, {} doubles\n", pairs, gaps, doubles);
+    fmt::print("row 7: {} shared edges through or beside pixel centres, frames of 512 to 16384 px: {} gaps, {} doubles\n", pairs, gaps,
+               doubles);
     test::ScreenScene s(256, 256);
     std::mt19937 random(77);
     std::uniform_int_distribution<int> lattice(0, 255);
@@ -418,7 +432,8 @@ TEST(Extremes, Row08BehindTheViewer) {
                     const glm::dvec3 ray((x + 0.5 - kSide / 2.0) / (kSide / 2.0), -(y + 0.5 - kSide / 2.0) / (kSide / 2.0), -1);
                     const double det = glm::dot(ray, glm::cross(u, v));
                     if (det == 0) continue;
-                    const double t = glm::dot(origin, glm::cross(u, v)) / det, a = glm::dot(ray, glm::cross(origin, v)) / -det, b = glm::dot(ray, glm::cross(u, origin)) / -det;
+                    const double t = glm::dot(origin, glm::cross(u, v)) / det, a = glm::dot(ray, glm::cross(origin, v)) / -det,
+                                 b = glm::dot(ray, glm::cross(u, origin)) / -det;
                     hit[size_t(y + 1) * (kSide + 2) + size_t(x + 1)] = t > kNear && a > 0 && a < 1 && b > 0 && b < 1;
                 }
             for (int y = 0; y < kSide; ++y)
@@ -431,8 +446,9 @@ TEST(Extremes, Row08BehindTheViewer) {
                     ++here;
                     gaps += owned == 0;
                     doubles += owned > 1;
-                    ASSERT_EQ(owned, 1u) << fmt::format("pattern {}, case {}, pixel ({}, {}): corners ({}, {}, {}) ({}, {}, {}) ({}, {}, {})", pattern, i, x, y, p[0].x, p[0].y,
-                                                        p[0].z, p[1].x, p[1].y, p[1].z, p[3].x, p[3].y, p[3].z);
+                    ASSERT_EQ(owned, 1u) << fmt::format(
+                        "pattern {}, case {}, pixel ({}, {}): corners ({}, {}, {}) ({}, {}, {}) ({}, {}, {})", pattern, i, x, y, p[0].x,
+                        p[0].y, p[0].z, p[1].x, p[1].y, p[1].z, p[3].x, p[3].y, p[3].z);
                 }
         }
         patternsSeen += here > 0;
@@ -440,8 +456,10 @@ TEST(Extremes, Row08BehindTheViewer) {
     }
     EXPECT_GT(patternsSeen, 20u) << "patterns in which the parallelogram is seen";
     EXPECT_GT(clipped, 0u);
-    fmt::print("row 8: 27 patterns of w signs x {} parallelograms, {} triangles clipped, {} inner pixels: {} gaps, {} doubles; pixels by signs{}\n", count, clipped, required, gaps,
-               doubles, table);
+    fmt::print(
+        "row 8: 27 patterns of w signs x {} parallelograms, {} triangles clipped, {} inner pixels: {} gaps, {} doubles; pixels by "
+        "signs{}\n",
+        count, clipped, required, gaps, doubles, table);
     test::expectDeviceEqualsTwin(all.scene, all.request, "sign patterns");
 }
 
@@ -475,14 +493,16 @@ TEST(Extremes, Row09LongEdges) {
     all.scene.cullBackFaces = false;
     std::uniform_int_distribution<int> million(-256000000, 256000000);
     for (int i = 0; i < clippedCount; ++i) {
-        const oracle::SubpixelTriangle t{{{near(random), near(random)}, {million(random), million(random)}, {million(random), million(random)}}};
+        const oracle::SubpixelTriangle t{
+            {{near(random), near(random)}, {million(random), million(random)}, {million(random), million(random)}}};
         test::ScreenScene s(kSide, kSide);
         std::array<test::ScreenPoint, 3> corners{};
         oracle::SubpixelTriangle rounded;
         for (size_t k = 0; k < 3; ++k) {
             corners[k] = {double(t[k].x), double(t[k].y), 1};
             // what the float position holds
-            rounded[k] = {std::llround((double(float(corners[k].x / 256 - kSide / 2.0)) + kSide / 2.0) * 256), std::llround((double(float(corners[k].y / 256 - kSide / 2.0)) + kSide / 2.0) * 256)};
+            rounded[k] = {std::llround((double(float(corners[k].x / 256 - kSide / 2.0)) + kSide / 2.0) * 256),
+                          std::llround((double(float(corners[k].y / 256 - kSide / 2.0)) + kSide / 2.0) * 256)};
         }
         s.add(corners);
         if (i < 60) all.add(corners);
@@ -499,8 +519,11 @@ TEST(Extremes, Row09LongEdges) {
         }
     }
     EXPECT_EQ(wrong, 0u);
-    fmt::print("row 9: {} triangles to 73,728 px on the grid, {} pixels, 0 differ from 128-bit spans; {} triangles with edges to 10^6 px, clipped: {} pixels, {} differ within {}/256 px of "
-               "an edge, {} others\n", count, pixels, clippedCount, drawnPixels, moved, kClipMoveSubpixels, wrong);
+    fmt::print(
+        "row 9: {} triangles to 73,728 px on the grid, {} pixels, 0 differ from 128-bit spans; {} triangles with edges to 10^6 px, "
+        "clipped: {} pixels, {} differ within {}/256 px of "
+        "an edge, {} others\n",
+        count, pixels, clippedCount, drawnPixels, moved, kClipMoveSubpixels, wrong);
     test::expectDeviceEqualsTwin(all.scene, all.request, "edges of 10^6 px");
 }
 
@@ -519,7 +542,10 @@ TEST(Extremes, Row10CoplanarLayers) {
     const Frame stable = test::expectDeviceEqualsTwin(same.scene, same.request, "same corners").frame;
     EXPECT_GT(stable.coveredPixels, 1000u);
     for (uint32_t id : stable.triangle) EXPECT_TRUE(id == 0 || id == kNone) << id;
-    fmt::print("row 10: nine layers of the same corners in all rotations: the first owns all {} pixels; wrong pixels of two layers, all undecided by the bound:\n", stable.coveredPixels);
+    fmt::print(
+        "row 10: nine layers of the same corners in all rotations: the first owns all {} pixels; wrong pixels of two layers, all undecided "
+        "by the bound:\n",
+        stable.coveredPixels);
     for (int farDecade = 1; farDecade <= 8; ++farDecade) {
         std::string line;
         for (int gapDecade = -9; gapDecade <= -1; ++gapDecade) {
@@ -528,7 +554,8 @@ TEST(Extremes, Row10CoplanarLayers) {
             s.add(layer(far, 1 + gap, 0));
             s.add(layer(far, 1, 0));  // nearer everywhere
             s.request.shading = Shading::unlit;
-            const Frame frame = farDecade == 4 ? test::expectDeviceEqualsTwin(s.scene, s.request, "two layers").frame : renderCpu(s.scene, s.request).frame;
+            const Frame frame =
+                farDecade == 4 ? test::expectDeviceEqualsTwin(s.scene, s.request, "two layers").frame : renderCpu(s.scene, s.request).frame;
             uint64_t wrong = 0, undecided = 0;
             const double largest = 0x1p-10;
             for (int y = 0; y < kSide; ++y)
@@ -547,7 +574,8 @@ TEST(Extremes, Row10CoplanarLayers) {
                     const bool isUndecided = z - z / (1 + gap) <= 2 * kLayerBound * largest;
                     undecided += isUndecided;
                     wrong += id == 0;
-                    ASSERT_TRUE(id == 1 || isUndecided) << fmt::format("gap 1e{}, far/near 1e{}, pixel ({}, {})", gapDecade, farDecade, x, y);
+                    ASSERT_TRUE(id == 1 || isUndecided)
+                        << fmt::format("gap 1e{}, far/near 1e{}, pixel ({}, {})", gapDecade, farDecade, x, y);
                 }
             line += fmt::format(" {:5.1f}%", 100.0 * double(wrong) / double(frame.coveredPixels));
         }
@@ -570,8 +598,9 @@ TEST(Extremes, Row11Translation) {
         other.camera->eye += move;
         other.lights.back().position += move;
         other.objects[0].worldFromObject[3] += glm::dvec4(move, 0);
-        const Frame frame = k % 3 == 0 ? test::expectDeviceEqualsTwin(other, requestOf(kSize.x, kSize.y), fmt::format("moved by 10^{}", k)).frame
-                                       : renderCpu(other, requestOf(kSize.x, kSize.y)).frame;
+        const Frame frame = k % 3 == 0
+                                ? test::expectDeviceEqualsTwin(other, requestOf(kSize.x, kSize.y), fmt::format("moved by 10^{}", k)).frame
+                                : renderCpu(other, requestOf(kSize.x, kSize.y)).frame;
         EXPECT_EQ(hashOf(frame), want) << "moved by 10^" << k;
         equal += hashOf(frame) == want;
     }
@@ -611,9 +640,11 @@ TEST(Extremes, Row22Resolutions) {
         if (uint64_t(size.x) * size.y <= 1000000) {
             request.bandRows = std::max(1u, size.y / 3);
             request.chunkTriangles = 100;
-            test::expectSameFrames(r.frame, renderGpu(test::lavapipe(), scene, request).frame, fmt::format("{}x{} in bands and chunks", size.x, size.y));
+            test::expectSameFrames(r.frame, renderGpu(test::lavapipe(), scene, request).frame,
+                                   fmt::format("{}x{} in bands and chunks", size.x, size.y));
         }
-        fmt::print("row 22: {}x{}: {} pixels covered, device = twin, sha256 {:.12}\n", size.x, size.y, r.frame.coveredPixels, hashOf(r.frame.rgba));
+        fmt::print("row 22: {}x{}: {} pixels covered, device = twin, sha256 {:.12}\n", size.x, size.y, r.frame.coveredPixels,
+                   hashOf(r.frame.rgba));
     }
     RenderRequest tooLarge = requestOf(65537, 1);
     std::string message;

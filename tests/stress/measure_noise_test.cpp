@@ -6,18 +6,18 @@
 #include "tests/support/device_fixture.h"
 #include "tests/support/ray_scenes.h"
 
-#include <cstdint>
-#include <cstdio>
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 namespace plumb {
@@ -57,8 +57,14 @@ double msSince(std::chrono::steady_clock::time_point begun) {
 
 // Another list each time; what is not drawn here (rays, wire) is absent.
 std::vector<const Axis*> listOf(int trial) {
-    static constexpr std::array<std::array<const char*, 2>, 8> kLists = {{{"depth", "specular"}, {"transform", "specular"}, {"renderer", "encode"}, {"threads", "depth"},
-                                                                          {"normals", "normals"}, {"shading", "rate"}, {"samples", "subpixel"}, {"light-vector", "threads"}}};
+    static constexpr std::array<std::array<const char*, 2>, 8> kLists = {{{"depth", "specular"},
+                                                                          {"transform", "specular"},
+                                                                          {"renderer", "encode"},
+                                                                          {"threads", "depth"},
+                                                                          {"normals", "normals"},
+                                                                          {"shading", "rate"},
+                                                                          {"samples", "subpixel"},
+                                                                          {"light-vector", "threads"}}};
     std::vector<const Axis*> axes;
     for (const char* name : kLists[size_t(trial) % kLists.size()])
         if (axes.empty() || axes.back() != &axisOf(name)) axes.push_back(&axisOf(name));
@@ -77,19 +83,22 @@ MeasuredRun againOf(const Scene& scene, int trial, double delay, uint32_t rounds
     std::vector<double> defaults;
     const std::string words = wordsOf(plan.base);
     plan.draw = [&](const Scene& drawn, const Setting& setting) {
-        RenderResult result = setting.twin ? renderCpu(drawn, setting.request) : renderGpu(*test::DeviceEnvironment::device(), drawn, setting.request);
+        RenderResult result =
+            setting.twin ? renderCpu(drawn, setting.request) : renderGpu(*test::DeviceEnvironment::device(), drawn, setting.request);
         if (wordsOf(setting) == words) defaults.push_back(result.totalMs);
         if (setting.again && delay > 0) {
             const auto begun = std::chrono::steady_clock::now();
-            while (msSince(begun) < delay * medianOf(defaults)) {}
+            while (msSince(begun) < delay * medianOf(defaults)) {
+            }
             result.totalMs += msSince(begun);
         }
         return result;
     };
     const Measurement m = measure(scene, plan);
     const MeasuredRun& again = m.runs[1];
-    fmt::print("delay {:.2f}, {}{}: default {:.2f} ms, again {:.3f} of it ({:.3f} .. {:.3f}), {} rounds, {} rows: {}\n", delay, plan.axes[0]->name, plan.axes.size() > 1 ? fmt::format(",{}", plan.axes[1]->name) : "",
-               *m.runs[0].total.median(), again.ratio->median, again.ratio->low, again.ratio->high, m.repetitions, m.comparisons, nameOf(again.told));
+    fmt::print("delay {:.2f}, {}{}: default {:.2f} ms, again {:.3f} of it ({:.3f} .. {:.3f}), {} rounds, {} rows: {}\n", delay,
+               plan.axes[0]->name, plan.axes.size() > 1 ? fmt::format(",{}", plan.axes[1]->name) : "", *m.runs[0].total.median(),
+               again.ratio->median, again.ratio->low, again.ratio->high, m.repetitions, m.comparisons, nameOf(again.told));
     std::fflush(stdout);
     return again;
 }

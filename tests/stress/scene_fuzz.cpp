@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests/stress/scene_fuzz.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/core.h>
 #include <tuple>
 #include <utility>
 
@@ -62,12 +62,15 @@ struct Family {
 
 // Choices that do not exclude one another, of each axis of --trade.
 std::string tradeOf(Dice& dice) {
-    const std::vector<std::vector<const char*>> axes = {
-        {"transform=fp64", "transform=block-integer"}, {"subpixel=4"},
-        {"interpolation=affine"},                      {"depth=standard-32", "depth=24", "depth=16"},
-        {"normals=as-interpolated"},                   {"light-vector=vertex", "light-vector=face", "light-vector=scene"},
-        {"specular=schlick", "specular=native"},       {"rate=1/2"},
-        {"encode=native"}};
+    const std::vector<std::vector<const char*>> axes = {{"transform=fp64", "transform=block-integer"},
+                                                        {"subpixel=4"},
+                                                        {"interpolation=affine"},
+                                                        {"depth=standard-32", "depth=24", "depth=16"},
+                                                        {"normals=as-interpolated"},
+                                                        {"light-vector=vertex", "light-vector=face", "light-vector=scene"},
+                                                        {"specular=schlick", "specular=native"},
+                                                        {"rate=1/2"},
+                                                        {"encode=native"}};
     std::string words;
     for (uint32_t count = 1 + dice.below(3); count > 0; --count) {
         const std::vector<const char*>& axis = dice.of(axes);
@@ -92,7 +95,11 @@ Family familyOf(uint64_t seed, uint64_t index, bool heldAgainstTruth) {
     }
     Dice dice(seed, 2 * index + 1);
     const double which = dice.real(0, 1);
-    f.kind = which < 0.56 ? Kind::raster : which < 0.76 ? Kind::ray : which < 0.86 ? Kind::wire : which < 0.97 ? Kind::notes : Kind::notesSpheres;
+    f.kind = which < 0.56   ? Kind::raster
+             : which < 0.76 ? Kind::ray
+             : which < 0.86 ? Kind::wire
+             : which < 0.97 ? Kind::notes
+                            : Kind::notesSpheres;
     f.lights = dice.below(4);
     f.pointLights = dice.chance(0.6);
     f.specular = dice.chance(0.7);
@@ -140,7 +147,9 @@ Family familyOf(uint64_t seed, uint64_t index, bool heldAgainstTruth) {
             f.settings.push_back(fmt::format("sampling = \"{}\"", sampling));
             f.settings.push_back(fmt::format("max_depth = {}", 1 + dice.below(6)));
             if (dice.chance(0.3)) f.settings.push_back(fmt::format("min_weight = {}", number(dice.magnitude(-3, -1))));
-            if (dice.chance(0.2)) f.settings.push_back(fmt::format("jitter = {{ reflect = {}, shadow = {} }}", number(dice.real(0, 0.3)), number(dice.real(0, 0.3))));
+            if (dice.chance(0.2))
+                f.settings.push_back(
+                    fmt::format("jitter = {{ reflect = {}, shadow = {} }}", number(dice.real(0, 0.3)), number(dice.real(0, 0.3))));
             if (dice.chance(0.2)) f.settings.emplace_back("shadows = false");
             if (f.settings[0] == "encoding = \"linear\"" && dice.chance(0.5) && !f.glass) f.settings.emplace_back("levels = \"cut\"");
             break;
@@ -175,7 +184,8 @@ FuzzScene::Mesh sheet(Dice& dice) {
     const uint32_t n = 1 + dice.below(6);
     const double bump = dice.chance(0.5) ? 0 : dice.real(0, 0.5);
     for (uint32_t j = 0; j <= n; ++j)
-        for (uint32_t i = 0; i <= n; ++i) m.vertices.push_back({2.0 * i / n - 1, 2.0 * j / n - 1, bump * std::sin(5.0 * i / n) * std::cos(4.0 * j / n)});
+        for (uint32_t i = 0; i <= n; ++i)
+            m.vertices.push_back({2.0 * i / n - 1, 2.0 * j / n - 1, bump * std::sin(5.0 * i / n) * std::cos(4.0 * j / n)});
     for (uint32_t j = 0; j < n; ++j)
         for (uint32_t i = 0; i < n; ++i) {
             const uint32_t a = j * (n + 1) + i;
@@ -230,12 +240,20 @@ FuzzScene::Mesh star(Dice& dice) {
 
 FuzzScene::Mesh meshOf(Dice& dice) {
     switch (dice.below(8)) {
-        case 0: case 1: return solid(dice);
-        case 2: case 3: return sheet(dice);
-        case 4: return soup(dice, dice.real(0.1, 1));
-        case 5: return soup(dice, dice.magnitude(-8, -1));  // needles
-        case 6: return grid(dice, 0.25, 6);
-        default: return star(dice);
+        case 0:
+        case 1:
+            return solid(dice);
+        case 2:
+        case 3:
+            return sheet(dice);
+        case 4:
+            return soup(dice, dice.real(0.1, 1));
+        case 5:
+            return soup(dice, dice.magnitude(-8, -1));  // needles
+        case 6:
+            return grid(dice, 0.25, 6);
+        default:
+            return star(dice);
     }
 }
 
@@ -251,12 +269,15 @@ public:
         s_.flags = family_.flags;
         s_.heldAgainstTruth = truth_;
         if (!truth_ && dice_.chance(0.25)) s_.flags.emplace_back("--background transparent");  // no kernel is made for it
-        static const std::vector<std::pair<uint32_t, uint32_t>> kSizes = {{63, 17}, {48, 36}, {64, 48}, {33, 65}, {17, 9}, {80, 45}, {16, 8}, {1, 1}, {1, 40}, {70, 1}, {97, 31}};
+        static const std::vector<std::pair<uint32_t, uint32_t>> kSizes = {{63, 17}, {48, 36}, {64, 48}, {33, 65}, {17, 9}, {80, 45},
+                                                                          {16, 8},  {1, 1},   {1, 40},  {70, 1},  {97, 31}};
         std::tie(s_.width, s_.height) = dice_.of(kSizes);
         if (truth_) std::tie(s_.width, s_.height) = std::pair(24 + dice_.below(30), 20 + dice_.below(20));
         const bool isNotes = family_.kind == Kind::notes || family_.kind == Kind::notesSpheres;
         const bool pixels = family_.kind == Kind::notesSpheres || dice_.chance(isNotes ? 0.7 : 0.15);
-        if (dice_.chance(0.8)) s_.settings.push_back(fmt::format("background = [{}, {}, {}]", number(dice_.real(0, 1)), number(dice_.real(0, 1)), number(dice_.real(0, 1))));
+        if (dice_.chance(0.8))
+            s_.settings.push_back(
+                fmt::format("background = [{}, {}, {}]", number(dice_.real(0, 1)), number(dice_.real(0, 1)), number(dice_.real(0, 1))));
         s_.settings.push_back(fmt::format("ambient = {}", number(dice_.chance(0.2) ? 0 : dice_.real(0, 1))));
         if (dice_.chance(0.3)) s_.settings.emplace_back("cull = false");
         if (family_.kind == Kind::ray) s_.settings.push_back(fmt::format("seed = {}", dice_.below(1000)));
@@ -271,11 +292,14 @@ private:
         for (const char* name : {"m0", "m1"}) {
             static const std::vector<double> kExponents = {0, 0.5, 1, 2, 5, 32, 100, 1000, 1e4, 1e6};
             const auto colour = [&](double most) { return vector({dice_.real(0, most), dice_.real(0, most), dice_.real(0, most)}); };
-            std::string t = fmt::format("[[material]]\nname = \"{}\"\nambient = {}\ndiffuse = {}\nspecular = {}\nemission = {}\nshininess = {}\n", name, colour(0.5),
-                                        family_.diffuse ? colour(1) : "0", family_.specular ? colour(1) : "0", dice_.chance(0.2) ? colour(0.3) : "0",
-                                        number(dice_.chance(0.7) ? dice_.of(kExponents) : dice_.magnitude(-1, 6)));
+            std::string t = fmt::format(
+                "[[material]]\nname = \"{}\"\nambient = {}\ndiffuse = {}\nspecular = {}\nemission = {}\nshininess = {}\n", name,
+                colour(0.5), family_.diffuse ? colour(1) : "0", family_.specular ? colour(1) : "0", dice_.chance(0.2) ? colour(0.3) : "0",
+                number(dice_.chance(0.7) ? dice_.of(kExponents) : dice_.magnitude(-1, 6)));
             const double reflect = family_.mirrors ? dice_.real(0.01, 0.5) : 0, transmit = family_.glass ? dice_.real(0.01, 0.49) : 0;
-            if (family_.kind == Kind::ray) t += fmt::format("reflect = {}\ntransmit = {}\nior = {}\n", number(reflect), number(transmit), number(dice_.chance(0.3) ? 1 : dice_.real(0.5, 2.5)));
+            if (family_.kind == Kind::ray)
+                t += fmt::format("reflect = {}\ntransmit = {}\nior = {}\n", number(reflect), number(transmit),
+                                 number(dice_.chance(0.3) ? 1 : dice_.real(0.5, 2.5)));
             s_.materials.push_back(t);
         }
     }
@@ -310,7 +334,8 @@ private:
         for (uint32_t i = 0; i < family_.spheres; ++i) {
             const auto whole = [&](double x) { return dice_.chance(0.5) ? std::floor(x) : x; };
             const Point centre{whole(dice_.real(-1, 1) * unit_), whole(dice_.real(-1, 1) * unit_), whole(dice_.real(0, 1) * 200)};
-            s_.spheres.push_back(fmt::format("[[sphere]]\ncentre = {}\nradius = {}\nmaterial = \"{}\"\n", vector(centre), number(whole(dice_.real(1, 30))), material()));
+            s_.spheres.push_back(fmt::format("[[sphere]]\ncentre = {}\nradius = {}\nmaterial = \"{}\"\n", vector(centre),
+                                             number(whole(dice_.real(1, 30))), material()));
         }
         makePlanes();
     }
@@ -327,7 +352,8 @@ private:
         Point at = moved(centre_, dice_.direction(), dice_.chance(0.5) ? 0 : 0.3 * unit_);
         if (dice_.chance(0.06)) at = moved(eye, toEye, distance * unit_);  // everything lies behind the viewer
         toCentre_ = distance * unit_;
-        s_.camera = fmt::format("eye = {}\nat = {}\nup = {}\nfov = {}\n", vector(eye), vector(at), vector(dice_.direction()), number(std::clamp(fov, 0.1, 170.0)));
+        s_.camera = fmt::format("eye = {}\nat = {}\nup = {}\nfov = {}\n", vector(eye), vector(at), vector(dice_.direction()),
+                                number(std::clamp(fov, 0.1, 170.0)));
         if (dice_.chance(0.15)) s_.camera += fmt::format("near = {}\n", number(distance * unit_ * dice_.magnitude(-4, 0)));
         for (uint32_t i = 0; i < family_.meshes; ++i) {
             FuzzScene::Mesh mesh = meshOf(dice_);
@@ -340,22 +366,32 @@ private:
             const auto step = [&](const std::string& text) { steps += (steps.empty() ? "" : ", ") + text; };
             if (offset != Point{0, 0, 0}) step(fmt::format("{{ translate = {} }}", vector(times(offset, -inVertices))));
             if (inVertices != unit_) step(fmt::format("{{ scale = {} }}", number(unit_)));
-            if (dice_.chance(0.2)) step(fmt::format("{{ scale = {} }}", vector({dice_.real(0.1, 2), dice_.real(0.1, 2), (dice_.chance(0.3) ? -1 : 1) * dice_.magnitude(-3, 0.3)})));
-            if (dice_.chance(0.7)) step(fmt::format("{{ rotate = {{ axis = {}, degrees = {} }} }}", vector(dice_.direction()), number(dice_.chance(0.3) ? 90.0 * dice_.below(4) : dice_.real(-180, 180))));
+            if (dice_.chance(0.2))
+                step(fmt::format("{{ scale = {} }}", vector({dice_.real(0.1, 2), dice_.real(0.1, 2),
+                                                             (dice_.chance(0.3) ? -1 : 1) * dice_.magnitude(-3, 0.3)})));
+            if (dice_.chance(0.7))
+                step(fmt::format("{{ rotate = {{ axis = {}, degrees = {} }} }}", vector(dice_.direction()),
+                                 number(dice_.chance(0.3) ? 90.0 * dice_.below(4) : dice_.real(-180, 180))));
             step(fmt::format("{{ translate = {} }}", vector(moved(centre_, dice_.direction(), dice_.real(0, 0.8) * unit_))));
             add(std::move(mesh), steps);
         }
         for (uint32_t i = 0; i < family_.spheres; ++i)
-            s_.spheres.push_back(fmt::format("[[sphere]]\ncentre = {}\nradius = {}\nmaterial = \"{}\"\n", vector(moved(centre_, dice_.direction(), dice_.real(0, 1.2) * unit_)),
-                                             number(unit_ * (dice_.chance(0.1) ? dice_.magnitude(-3, 3) : dice_.real(0.1, 0.8))), material()));
+            s_.spheres.push_back(fmt::format("[[sphere]]\ncentre = {}\nradius = {}\nmaterial = \"{}\"\n",
+                                             vector(moved(centre_, dice_.direction(), dice_.real(0, 1.2) * unit_)),
+                                             number(unit_ * (dice_.chance(0.1) ? dice_.magnitude(-3, 3) : dice_.real(0.1, 0.8))),
+                                             material()));
         makePlanes();
     }
 
     void makePlanes() {
         for (uint32_t i = 0; i < family_.planes; ++i) {
-            std::string t = fmt::format("[[plane]]\npoint = {}\nnormal = {}\nmaterial = \"m0\"\n", vector(moved(centre_, dice_.direction(), dice_.real(0, 1.5) * unit_)), vector(dice_.direction()));
-            if (dice_.chance(0.5)) t += fmt::format("u_range = [{}, {}]\n", number(-dice_.real(0.1, 3) * unit_), number(dice_.real(0.1, 3) * unit_));
-            if (dice_.chance(0.5)) t += fmt::format("board = {{ square = {}, material = \"m1\", mirrored = {} }}\n", number(unit_ * dice_.real(0.05, 1)), dice_.chance(0.5));
+            std::string t = fmt::format("[[plane]]\npoint = {}\nnormal = {}\nmaterial = \"m0\"\n",
+                                        vector(moved(centre_, dice_.direction(), dice_.real(0, 1.5) * unit_)), vector(dice_.direction()));
+            if (dice_.chance(0.5))
+                t += fmt::format("u_range = [{}, {}]\n", number(-dice_.real(0.1, 3) * unit_), number(dice_.real(0.1, 3) * unit_));
+            if (dice_.chance(0.5))
+                t += fmt::format("board = {{ square = {}, material = \"m1\", mirrored = {} }}\n", number(unit_ * dice_.real(0.05, 1)),
+                                 dice_.chance(0.5));
             if (dice_.chance(0.2)) t += "two_sided = false\n";
             s_.planes.push_back(t);
         }
@@ -366,15 +402,16 @@ private:
         const bool directional = !family_.pointLights || dice_.chance(0.3);
         const double colour = dice_.chance(0.7) ? dice_.real(0.1, 1) : dice_.magnitude(-8, 3);
         if (directional) {
-            s_.lights.push_back(fmt::format("[[light]]\ntype = \"directional\"\ndirection = {}\nintensity = {}\n", vector(dice_.direction()), number(colour)));
+            s_.lights.push_back(fmt::format("[[light]]\ntype = \"directional\"\ndirection = {}\nintensity = {}\n",
+                                            vector(dice_.direction()), number(colour)));
             return;
         }
         const double away = unit_ * (dice_.chance(0.7) ? dice_.real(1, 5) : dice_.magnitude(-3, 3));
         const uint32_t power = dice_.below(3);
         static const std::array<const char*, 3> kNames = {"none", "1/d", "1/d^2"};
         const double intensity = colour * (dice_.chance(0.8) ? std::pow(away, power) : 1);
-        s_.lights.push_back(fmt::format("[[light]]\ntype = \"point\"\nposition = {}\nintensity = {}\nattenuation = \"{}\"\n", vector(moved(centre_, dice_.direction(), away)), number(intensity),
-                                        kNames[power]));
+        s_.lights.push_back(fmt::format("[[light]]\ntype = \"point\"\nposition = {}\nintensity = {}\nattenuation = \"{}\"\n",
+                                        vector(moved(centre_, dice_.direction(), away)), number(intensity), kNames[power]));
     }
 
     Dice dice_;
@@ -400,7 +437,8 @@ std::string FuzzScene::text() const {
     for (const auto* tables : {&materials, &lights})
         for (const std::string& table : *tables) out += "\n" + table;
     for (const Mesh& mesh : meshes) {
-        out += fmt::format("\n[[mesh]]\nname = \"{}\"\nmaterial = \"{}\"\ncrease = {}\nvertices = [\n", mesh.name, mesh.material, number(mesh.creaseDegrees));
+        out += fmt::format("\n[[mesh]]\nname = \"{}\"\nmaterial = \"{}\"\ncrease = {}\nvertices = [\n", mesh.name, mesh.material,
+                           number(mesh.creaseDegrees));
         for (const Point& p : mesh.vertices) out += "  " + vector(p) + ",\n";
         out += "]\nfaces = [\n";
         for (const std::vector<uint32_t>& face : mesh.faces) {

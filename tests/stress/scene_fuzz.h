@@ -19,13 +19,13 @@ struct FuzzScene {
         std::vector<std::array<double, 3>> vertices;
         std::vector<std::vector<uint32_t>> faces;
     };
-    std::vector<std::string> settings;  // lines before the first table
-    std::string camera;                 // lines of [camera]
+    std::vector<std::string> settings;                                     // lines before the first table
+    std::string camera;                                                    // lines of [camera]
     std::vector<std::string> materials, lights, objects, spheres, planes;  // tables
     std::vector<Mesh> meshes;
     uint32_t width = 1, height = 1;
-    std::vector<std::string> flags;     // each a flag with its value, "--samples 4"
-    bool heldAgainstTruth = false;      // Phong with the default choices
+    std::vector<std::string> flags;  // each a flag with its value, "--samples 4"
+    bool heldAgainstTruth = false;   // Phong with the default choices
 
     // The scene file; its first line is the comment kFlagsLine with the flags.
     std::string text() const;

@@ -20,12 +20,12 @@
 #include "tests/support/device_fixture.h"
 #include "tests/support/temporary_folder.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fmt/core.h>
 #include <fstream>
 #include <functional>
 #include <glm/glm.hpp>
@@ -56,7 +56,8 @@ uint64_t stated(const char* name, uint64_t fallback) {
 
 enum class Outcome { equal, refused, differs, refusedApart, beyondTruth };
 const char* nameOf(Outcome o) {
-    constexpr const char* kNames[] = {"equal", "refused", "device and twin differ", "refused on one side, or in other words", "further from the truth than its bound"};
+    constexpr const char* kNames[] = {"equal", "refused", "device and twin differ", "refused on one side, or in other words",
+                                      "further from the truth than its bound"};
     return kNames[size_t(o)];
 }
 
@@ -108,7 +109,8 @@ Case run(Device& device, const fs::path& file, const std::string& flags, bool tr
     if (!r.what.empty()) {
         const std::string twin = refusalOf([&] { renderCpu(scene, request); }), gpu = refusalOf([&] { renderGpu(device, scene, request); });
         r.outcome = twin == gpu && (twin == r.what || twin.empty()) ? Outcome::refused : Outcome::refusedApart;
-        if (r.outcome == Outcome::refusedApart) r.what = fmt::format("the twin: {}; the device: {}", twin.empty() ? "draws" : twin, gpu.empty() ? "draws" : gpu);
+        if (r.outcome == Outcome::refusedApart)
+            r.what = fmt::format("the twin: {}; the device: {}", twin.empty() ? "draws" : twin, gpu.empty() ? "draws" : gpu);
         return r;
     }
     r.seen = report.twin.frame.coveredPixels > 0;
@@ -134,14 +136,16 @@ protected:
 
     // Reduces, writes and names it.
     void tell(uint64_t seed, uint64_t index, const FuzzScene& scene, const Case& failed) {
-        const FuzzScene least = reduced(scene, [&](const FuzzScene& s) { return runScene(s).outcome == failed.outcome; }, kReductions);
+        const FuzzScene least = reduced(
+            scene, [&](const FuzzScene& s) { return runScene(s).outcome == failed.outcome; }, kReductions);
         const Case last = runScene(least);
         const fs::path file = fs::path(PLUMB_BINARY_DIR) / "tests/stress/scene_fuzz" / fmt::format("seed{}-scene{}.toml", seed, index);
         fs::create_directories(file.parent_path());
         std::ofstream(file) << least.text();
-        ADD_FAILURE() << fmt::format("scene {} of seed {}: {}: {}\n  reduced: {}\n  plumb verify {} {}\n  mend it, and keep the file under tests/data/fuzz/\n"
-                                     "  again: PLUMB_FUZZ_SEED={} PLUMB_FUZZ_SCENE={}",
-                                     index, seed, nameOf(failed.outcome), failed.what, last.what, file.string(), least.flagsText(), seed, index);
+        ADD_FAILURE() << fmt::format(
+            "scene {} of seed {}: {}: {}\n  reduced: {}\n  plumb verify {} {}\n  mend it, and keep the file under tests/data/fuzz/\n"
+            "  again: PLUMB_FUZZ_SEED={} PLUMB_FUZZ_SCENE={}",
+            index, seed, nameOf(failed.outcome), failed.what, last.what, file.string(), least.flagsText(), seed, index);
     }
 
     TemporaryFolder folder_;
@@ -172,7 +176,8 @@ TEST_F(SceneFuzz, ScenesThatOnceFailedAreEqual) {
 TEST_F(SceneFuzz, DeviceEqualsTwin) {
     const bool isLong = std::getenv("PLUMB_LONG") != nullptr;
     const uint64_t seed = stated("PLUMB_FUZZ_SEED", isLong ? kLongSeed : kSeed), alone = stated("PLUMB_FUZZ_SCENE", ~0ull);
-    const uint64_t first = alone == ~0ull ? 0 : alone, count = alone == ~0ull ? stated("PLUMB_FUZZ_SCENES", isLong ? kLongScenes : kScenes) : 1;
+    const uint64_t first = alone == ~0ull ? 0 : alone,
+                   count = alone == ~0ull ? stated("PLUMB_FUZZ_SCENES", isLong ? kLongScenes : kScenes) : 1;
     fmt::print("scene fuzz: seed {}, scenes {} to {}\n", seed, first, first + count - 1);
     std::fflush(stdout);
     std::map<Outcome, uint64_t> outcomes;
@@ -195,8 +200,10 @@ TEST_F(SceneFuzz, DeviceEqualsTwin) {
         if (std::getenv("PLUMB_FUZZ_FIND")) FAIL() << fmt::format("found by scene {}: {}: {}", i, nameOf(r.outcome), r.what);
         tell(seed, i, scene, r);
     }
-    fmt::print("scene fuzz: {} scenes: {} equal ({} show something), {} refused alike, {} fail; against the truth: {} of {} scenes judged, {} pixels, {} left open, error at most {:.3f} of its bound\n",
-               run, outcomes[Outcome::equal], seen, outcomes[Outcome::refused], failures, judged, held, truth.pixels, truth.left, truth.worst);
+    fmt::print(
+        "scene fuzz: {} scenes: {} equal ({} show something), {} refused alike, {} fail; against the truth: {} of {} scenes judged, {} "
+        "pixels, {} left open, error at most {:.3f} of its bound\n",
+        run, outcomes[Outcome::equal], seen, outcomes[Outcome::refused], failures, judged, held, truth.pixels, truth.left, truth.worst);
     for (const auto& [sentence, times] : refusals) fmt::print("  refused {:4}:{}\n", times, sentence);
     if (run < kScenesForShares) return;
     EXPECT_GE(double(run - outcomes[Outcome::refused]), kLeastDrawn * double(run)) << "too many are refused to show anything";

@@ -4,11 +4,11 @@
 #include "pipeline/truth/geometry.h"
 #include "pipeline/truth/truth.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <limits>
 #include <vector>
@@ -21,27 +21,27 @@ using glm::dvec2;
 using glm::dvec3;
 
 // The bounds of the steps are those of tests/oracle/fill_oracle_test.cpp; here they meet the truth, which starts from vertices that are not snapped.
-constexpr double kUnit = 0x1p-24;               // u, unit round-off of float32
-constexpr double kRowError = 6 * kUnit;         // rows and positions rounded once, four products summed in order
-constexpr double kSnapPixels = 0x1p-9;          // half a sub-pixel
-constexpr double kDepthError = 12.2 * kUnit;    // of the largest corner's z, interpolated
+constexpr double kUnit = 0x1p-24;             // u, unit round-off of float32
+constexpr double kRowError = 6 * kUnit;       // rows and positions rounded once, four products summed in order
+constexpr double kSnapPixels = 0x1p-9;        // half a sub-pixel
+constexpr double kDepthError = 12.2 * kUnit;  // of the largest corner's z, interpolated
 constexpr double kRoot3 = 1.7320509;
 constexpr double kNormalError = 10 * kUnit * kRoot3;
 constexpr double kUnitLengthError = 6.5 * kUnit;
 constexpr double kRayError = 5 * kUnit * kRoot3;
 constexpr double kDistanceError = 11 * kUnit;
-constexpr double kPowerSlope = 0.61;            // of max |d cos^n / d angle| / sqrt(n)
+constexpr double kPowerSlope = 0.61;  // of max |d cos^n / d angle| / sqrt(n)
 constexpr double kPowerError = (1.7e-7 + 4 * kUnit) / 2.718281828 + 7.5e-8 + 3 * kUnit;
 constexpr double kPowerFloor = 0x1p-20;
-constexpr double kFlushed = 0x1p-100;           // what underflow takes away, absolute
+constexpr double kFlushed = 0x1p-100;  // what underflow takes away, absolute
 // The bounds are of first order. Angles and shares above kSmall are left open; below, what is left out is less than an eighth.
 constexpr double kSmall = 0x1p-5, kSecondOrder = 1.125;
-constexpr double kMostDistance = 1e15;          // pixels; a triangle that reaches further on the screen is clipped anyway
+constexpr double kMostDistance = 1e15;  // pixels; a triangle that reaches further on the screen is clipped anyway
 
-struct Placed {                                 // a triangle on the screen
+struct Placed {  // a triangle on the screen
     std::array<dvec2, 3> corner;
-    double moved = 0;                           // at most so far, in pixels, does the transform leave a corner from its true place
-    double relativeDepth = 0;                   // bound of a corner's 1/w, relative
+    double moved = 0;          // at most so far, in pixels, does the transform leave a corner from its true place
+    double relativeDepth = 0;  // bound of a corner's 1/w, relative
 };
 
 double distanceToSegment(const dvec2& p, const dvec2& a, const dvec2& b) {
@@ -53,7 +53,11 @@ double distanceToSegment(const dvec2& p, const dvec2& a, const dvec2& b) {
 class Judgement {
 public:
     Judgement(const Scene& scene, const RenderRequest& request, const Frame& frame)
-        : scene_(scene), request_(request), frame_(frame), pinhole_(*scene.camera, request.width, request.height, 1), geometry_(scene, pinhole_) {}
+        : scene_(scene),
+          request_(request),
+          frame_(frame),
+          pinhole_(*scene.camera, request.width, request.height, 1),
+          geometry_(scene, pinhole_) {}
 
     TruthReport judge() {
         if (!place()) return report_;
@@ -87,10 +91,12 @@ private:
                 };
                 const double w = c.w.value, wSum = sum(pinhole_.forward, 1);
                 const auto error = [&](const dvec3& axis, double q, double centre) {
-                    return kRowError * (sum(axis, pinhole_.focal) + std::abs(q) * wSum) / w + kUnit * (std::abs(q) + std::abs(q + centre)) + kSnapPixels;
+                    return kRowError * (sum(axis, pinhole_.focal) + std::abs(q) * wSum) / w + kUnit * (std::abs(q) + std::abs(q + centre)) +
+                           kSnapPixels;
                 };
                 Vertex out{{c.x.value / w, c.y.value / w}, w, kRowError * wSum, 0, kRowError * wSum / w + 2 * kUnit};
-                out.moved = std::hypot(error(pinhole_.right, out.at.x, pinhole_.width / 2), error(pinhole_.down, out.at.y, pinhole_.height / 2));
+                out.moved =
+                    std::hypot(error(pinhole_.right, out.at.x, pinhole_.width / 2), error(pinhole_.down, out.at.y, pinhole_.height / 2));
                 vertices.push_back(out);
             }
             for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -106,8 +112,8 @@ private:
                     p.corner[i] = v.at;
                     p.moved = std::max(p.moved, v.moved);
                     p.relativeDepth = std::max(p.relativeDepth, v.relativeDepth);
-                    beyond[0] += v.at.x < -guardX - v.moved, beyond[1] += v.at.x > guardX + v.moved;
-                    beyond[2] += v.at.y < -guardY - v.moved, beyond[3] += v.at.y > guardY + v.moved;
+                    beyond[0] += v.at.x<-guardX - v.moved, beyond[1] += v.at.x> guardX + v.moved;
+                    beyond[2] += v.at.y<-guardY - v.moved, beyond[3] += v.at.y> guardY + v.moved;
                     inside &= std::abs(v.at.x) + v.moved < guardX && std::abs(v.at.y) + v.moved < guardY;
                 }
                 if (behind == 3) continue;
@@ -134,7 +140,7 @@ private:
     struct Surface {
         const truth::Triangle* triangle;
         const Placed* placed;
-        double inverse, error;  // 1 / w and how far the drawn one may be off
+        double inverse, error;    // 1 / w and how far the drawn one may be off
         double share[3], turned;  // of the corners; what `moved` makes of a share's numerator over the sum
     };
 
@@ -171,12 +177,15 @@ private:
                 if (frame_.linear[3 * at + size_t(i)] != request_.background[i]) return fail(x, y, "another colour than the background");
             return void(++report_.pixels);
         }
-        const auto best = std::max_element(surfaces.begin(), surfaces.end(), [](const Surface& a, const Surface& b) { return a.inverse < b.inverse; });
+        const auto best =
+            std::max_element(surfaces.begin(), surfaces.end(), [](const Surface& a, const Surface& b) { return a.inverse < b.inverse; });
         if (frame_.object[at] == kNone) return fail(x, y, fmt::format("nothing is drawn over object {}", best->triangle->object));
         const Surface* drawn = nullptr;
         for (const Surface& s : surfaces)
-            if (s.triangle->object == frame_.object[at] && faceOf(s) == frame_.primitive[at] && (!drawn || s.inverse > drawn->inverse)) drawn = &s;
-        if (!drawn) return fail(x, y, fmt::format("object {}, face {} is drawn and does not lie here", frame_.object[at], frame_.primitive[at]));
+            if (s.triangle->object == frame_.object[at] && faceOf(s) == frame_.primitive[at] && (!drawn || s.inverse > drawn->inverse))
+                drawn = &s;
+        if (!drawn)
+            return fail(x, y, fmt::format("object {}, face {} is drawn and does not lie here", frame_.object[at], frame_.primitive[at]));
         const double got = 1 / double(frame_.depth[at]);
         if (!within(x, y, "1/w", got, drawn->inverse, drawn->error + 4 * kUnit * got)) return;
         if (best->inverse - drawn->inverse > (best->error + drawn->error) * kSecondOrder)
@@ -187,7 +196,9 @@ private:
         colour(truth, *drawn, x, y, at);
     }
 
-    uint32_t faceOf(const Surface& s) const { return scene_.meshes[scene_.objects[s.triangle->object].mesh].triangles[s.triangle->triangle].face; }
+    uint32_t faceOf(const Surface& s) const {
+        return scene_.meshes[scene_.objects[s.triangle->object].mesh].triangles[s.triangle->triangle].face;
+    }
 
     void colour(const Truth& truth, const Surface& s, uint32_t x, uint32_t y, size_t at) {
         const truth::Triangle& t = *s.triangle;
@@ -222,24 +233,30 @@ private:
             dvec3 l = light.directional ? light.direction : light.position - scene_.camera->eye - position;
             const double distance = light.directional ? 1 : glm::length(l);
             const double lightError =
-                light.directional ? kUnit * kRoot3 : (positionError + 2 * kUnit * (glm::length(light.position - scene_.camera->eye) + far)) / distance + kUnitLengthError;
+                light.directional
+                    ? kUnit * kRoot3
+                    : (positionError + 2 * kUnit * (glm::length(light.position - scene_.camera->eye) + far)) / distance + kUnitLengthError;
             if (!(lightError < kSmall)) return void(++report_.left);
             l = glm::normalize(l);
-            const int power = light.directional || light.attenuation == Attenuation::none ? 0 : light.attenuation == Attenuation::inverse ? 1 : 2;
+            const int power = light.directional || light.attenuation == Attenuation::none ? 0
+                              : light.attenuation == Attenuation::inverse                 ? 1
+                                                                                          : 2;
             const double fade = std::pow(distance, -power), fadeError = power * lightError + 2 * kUnit;
             const double nl = glm::dot(n, l), nlError = normalError + lightError + 3 * kUnit;
             const double exponent = material.shininess, rv = glm::dot(2 * nl * n - l, toEye);
             const double shine = exponent == 0 ? 1 : std::pow(std::max(rv, 0.0), exponent);
             const double mirrorError = 2 * (normalError + nlError) + lightError + rayError + kUnitLengthError + 4 * kUnit;
-            const double shineError = exponent == 0 ? (rv < mirrorError ? 1 : 0)
-                                                    : kPowerSlope * std::sqrt(std::max(exponent, 1.0)) * mirrorError + exponent * mirrorError * mirrorError + kPowerError +
-                                                          (exponent >= 1 ? kPowerFloor : 1);
+            const double shineError = exponent == 0
+                                          ? (rv < mirrorError ? 1 : 0)
+                                          : kPowerSlope * std::sqrt(std::max(exponent, 1.0)) * mirrorError +
+                                                exponent * mirrorError * mirrorError + kPowerError + (exponent >= 1 ? kPowerFloor : 1);
             const bool lit = nl > 0, open = std::abs(nl) <= nlError;
             for (int i = 0; i < 3; ++i) {
                 const double intensity = light.intensity[i] * fade;
                 const double term = lit ? (material.diffuse[i] * nl + material.specular[i] * shine) * intensity : 0;
                 colour[i] += term;
-                bound[i] += intensity * (material.diffuse[i] * nlError + material.specular[i] * (lit || open ? std::min(1.0, shineError) + (open ? shine : 0) : 0)) +
+                bound[i] += intensity * (material.diffuse[i] * nlError +
+                                         material.specular[i] * (lit || open ? std::min(1.0, shineError) + (open ? shine : 0) : 0)) +
                             (fadeError + (4 + double(scene_.lights.size())) * kUnit) * (term + colour[i]);
             }
         }
@@ -249,15 +266,22 @@ private:
             if (!within(x, y, "linear", double(frame_.linear[3 * at + i]), want, bound[int(i)])) return;
             // A byte: the code of a colour within the bound, rounded to the nearest.
             const double byte = double(frame_.rgba[at] >> (8 * i) & 0xff), low = codeOf(want - off), high = codeOf(want + off);
-            if (byte < low - kHalfStep || byte > high + kHalfStep) return fail(x, y, fmt::format("byte {} of channel {}; the truth is {:.4f}, {:.4f} to {:.4f} with its bound", byte, i, codeOf(want), low, high));
+            if (byte < low - kHalfStep || byte > high + kHalfStep)
+                return fail(x, y,
+                            fmt::format("byte {} of channel {}; the truth is {:.4f}, {:.4f} to {:.4f} with its bound", byte, i,
+                                        codeOf(want), low, high));
         }
     }
     static constexpr double kHalfStep = 0.5 + 0x1p-20;  // and what binary64's pow leaves
-    double codeOf(double linear) const { return request_.encoding == Encoding::linear ? 255 * std::clamp(linear, 0.0, 1.0) : srgbCode(linear); }
+    double codeOf(double linear) const {
+        return request_.encoding == Encoding::linear ? 255 * std::clamp(linear, 0.0, 1.0) : srgbCode(linear);
+    }
 
     bool within(uint32_t x, uint32_t y, const char* what, double got, double want, double bound) {
         const double error = std::abs(got - want), most = bound * kSecondOrder;
-        if (!(error <= most)) return fail(x, y, fmt::format("{} is {:.9g}, the truth {:.9g}: {:.3g} apart, at most {:.3g}", what, got, want, error, most)), false;
+        if (!(error <= most))
+            return fail(x, y, fmt::format("{} is {:.9g}, the truth {:.9g}: {:.3g} apart, at most {:.3g}", what, got, want, error, most)),
+                   false;
         report_.worst = std::max(report_.worst, most > 0 ? error / most : 0);
         return true;
     }
@@ -275,6 +299,8 @@ private:
 
 }  // namespace
 
-TruthReport holdAgainstTruth(const Scene& scene, const RenderRequest& request, const Frame& frame) { return Judgement(scene, request, frame).judge(); }
+TruthReport holdAgainstTruth(const Scene& scene, const RenderRequest& request, const Frame& frame) {
+    return Judgement(scene, request, frame).judge();
+}
 
 }  // namespace plumb::test

@@ -4,13 +4,13 @@
 
 #include "pipeline/render/frame.h"
 
+#include <fmt/core.h>
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fmt/core.h>
-#include <gtest/gtest.h>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -76,7 +76,7 @@ inline void expectSameFrame(const Frame& want, const Frame& got, uint32_t leaveO
     if (!(leaveOut & kPlaneTriangle)) expectSamePlane("triangle", w, 1, want.triangle, got.triangle);
 }
 
-inline constexpr uint32_t kEveryPlane = kPlaneColour | kPlaneLinear | kPlaneDepth | kPlaneDistance | kPlaneNormal | kPlaneObject |
-                                        kPlanePrimitive | kPlaneZ | kPlaneTriangle;
+inline constexpr uint32_t kEveryPlane =
+    kPlaneColour | kPlaneLinear | kPlaneDepth | kPlaneDistance | kPlaneNormal | kPlaneObject | kPlanePrimitive | kPlaneZ | kPlaneTriangle;
 
 }  // namespace plumb::test

@@ -6,9 +6,9 @@
 #include "host/device.h"
 #include "host/error.h"
 
+#include <gtest/gtest.h>
 #include <cstdio>
 #include <cstdlib>
-#include <gtest/gtest.h>
 #include <memory>
 #include <string>
 

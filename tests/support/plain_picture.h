@@ -16,8 +16,8 @@ namespace plumb::test {
 
 struct PlainPicture {
     int width = 0, height = 0;
-    std::vector<glm::dvec3> linear;   // row 0 on top
-    std::vector<double> depth;        // 1/z; 0 where nothing is drawn
+    std::vector<glm::dvec3> linear;  // row 0 on top
+    std::vector<double> depth;       // 1/z; 0 where nothing is drawn
     bool drawn(int x, int y) const { return depth[size_t(y) * size_t(width) + size_t(x)] > 0; }
 };
 
@@ -36,7 +36,8 @@ inline glm::dvec3 plainPhong(const Scene& scene, const Material& m, const glm::d
 // Directional lights, back faces culled.
 inline PlainPicture plainPicture(const Scene& scene, int width, int height) {
     using glm::dvec3;
-    PlainPicture out{width, height, std::vector<dvec3>(size_t(width) * size_t(height)), std::vector<double>(size_t(width) * size_t(height))};
+    PlainPicture out{width, height, std::vector<dvec3>(size_t(width) * size_t(height)),
+                     std::vector<double>(size_t(width) * size_t(height))};
     const Camera& camera = *scene.camera;
     const double focal = height / 2.0 / std::tan(glm::radians(camera.fovYDegrees / 2));
     for (const Object& object : scene.objects) {
@@ -51,9 +52,11 @@ inline PlainPicture plainPicture(const Scene& scene, int width, int height) {
                 const double z = glm::dot(p, camera.forward);
                 screen[i] = {width / 2.0 + focal * glm::dot(p, camera.right) / z, height / 2.0 - focal * glm::dot(p, camera.up) / z, 1 / z};
             }
-            const auto edge = [](const dvec3& a, const dvec3& b, double x, double y) { return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x); };
+            const auto edge = [](const dvec3& a, const dvec3& b, double x, double y) {
+                return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
+            };
             const double area = edge(screen[0], screen[1], screen[2].x, screen[2].y);
-            if (area >= 0) continue;   // y points down: counter-clockwise in the world is a negative area
+            if (area >= 0) continue;  // y points down: counter-clockwise in the world is a negative area
             const auto [left, right] = std::minmax({screen[0].x, screen[1].x, screen[2].x});
             const auto [top, bottom] = std::minmax({screen[0].y, screen[1].y, screen[2].y});
             for (int y = std::max(0, int(top)); y < std::min(double(height), bottom + 1); ++y)
@@ -71,7 +74,8 @@ inline PlainPicture plainPicture(const Scene& scene, int width, int height) {
                         n += weight * normal[i];
                         p += weight * world[i];
                     }
-                    out.linear[at] = plainPhong(scene, scene.materials[mesh.faceMaterial[triangle.face]], glm::normalize(n), glm::normalize(camera.eye - p));
+                    out.linear[at] = plainPhong(scene, scene.materials[mesh.faceMaterial[triangle.face]], glm::normalize(n),
+                                                glm::normalize(camera.eye - p));
                 }
         }
     }

@@ -77,15 +77,16 @@ inline Scene mirrors() {
     wall.otherMaterial = white;
     wall.mirrored = true;
     s.planes.push_back(wall);
-    s.spheres = {ball({-1.2, 0, 0}, 1, metal), ball({1.1, -0.3, 1}, 0.7, red), ball({0.2, 1.5, -2}, 1.2, metal), ball({0.4, -0.8, 2.2}, 0.2, white),
-                 ball({2.6, 0.4, -1}, 0.9, metal), ball({-3, 2, -3}, 0.8, red)};
+    s.spheres = {ball({-1.2, 0, 0}, 1, metal),       ball({1.1, -0.3, 1}, 0.7, red),   ball({0.2, 1.5, -2}, 1.2, metal),
+                 ball({0.4, -0.8, 2.2}, 0.2, white), ball({2.6, 0.4, -1}, 0.9, metal), ball({-3, 2, -3}, 0.8, red)};
     return s;
 }
 
 // Glass among mirrors: trees, total reflection, translucent blockers, a sphere in a sphere, one sphere meeting another.
 inline Scene glass() {
     Scene s = mirrors();
-    const uint32_t clear = addRayMaterial(s, glm::vec3(0.05f), 0.15f, 0.8f, 1.5f), air = addRayMaterial(s, glm::vec3(0.02f), 0.2f, 0.75f, 0.6f);
+    const uint32_t clear = addRayMaterial(s, glm::vec3(0.05f), 0.15f, 0.8f, 1.5f),
+                   air = addRayMaterial(s, glm::vec3(0.02f), 0.2f, 0.75f, 0.6f);
     const uint32_t tinted = addRayMaterial(s, {0.1f, 0.5f, 0.2f}, 0, 0.5f, 1.0f);
     s.spheres.push_back(ball({-0.3, 0.3, 2.8}, 0.8, clear));
     s.spheres.push_back(ball({-0.3, 0.3, 2.8}, 0.5, air));

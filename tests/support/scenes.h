@@ -197,8 +197,8 @@ inline Scene huge(View v) {
         const double angle = r(0, 6.28), reach = r(2000, 8100);
         Corners c;
         for (int k = 0; k < 3; ++k)
-            c[size_t(k)] = v.pointAt(v.width / 2.0 + reach * std::cos(angle + k * 2.09), v.height / 2.0 + reach * std::sin(angle + k * 2.09),
-                                     r(1, 12));
+            c[size_t(k)] = v.pointAt(v.width / 2.0 + reach * std::cos(angle + k * 2.09),
+                                     v.height / 2.0 + reach * std::sin(angle + k * 2.09), r(1, 12));
         t.push_back(c);
     }
     const std::vector<Corners> small = {{v.pointAt(1, 1, 0.5), v.pointAt(1, 9, 0.5), v.pointAt(9, 9, 0.5)}};
@@ -330,6 +330,8 @@ inline const std::vector<SceneCase>& sceneCases() {
     };
     return kRows;
 }
-inline std::string nameOf(const SceneCase& c) { return std::string(c.name) + "_" + std::to_string(c.width) + "x" + std::to_string(c.height); }
+inline std::string nameOf(const SceneCase& c) {
+    return std::string(c.name) + "_" + std::to_string(c.width) + "x" + std::to_string(c.height);
+}
 
 }  // namespace plumb::test

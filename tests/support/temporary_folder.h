@@ -2,13 +2,13 @@
 // A folder of one test, gone when the test ends.
 #pragma once
 
+#include <gtest/gtest.h>
+#include <unistd.h>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <gtest/gtest.h>
 #include <string>
 #include <string_view>
-#include <unistd.h>
 
 namespace plumb::test {
 

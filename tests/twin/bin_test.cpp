@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests/twin/pass_frame.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdint>
-#include <fmt/format.h>
 #include <vector>
 
 namespace plumb::test {
@@ -14,7 +14,8 @@ size_t expectSameLists(PassFrame& f) {
     const TileLists want = binCpu(f.frame.binPush(), f.twin.draws, f.twin.screen);
     const uint32_t tilesX = f.frame.binPush().tilesX;
     const TileLists got = f.frame.lists();
-    expectSame<uint32_t>("bin: entries", want.counts, got.counts, [&](size_t i) { return fmt::format("tile ({}, {})", i % tilesX, i / tilesX); });
+    expectSame<uint32_t>("bin: entries", want.counts, got.counts,
+                         [&](size_t i) { return fmt::format("tile ({}, {})", i % tilesX, i / tilesX); });
     EXPECT_EQ(got.entries.size(), want.entries.size());
     EXPECT_EQ(got.entries.size(), f.frame.binEntries());
     if (got.entries.size() != want.entries.size()) return 0;
@@ -64,7 +65,7 @@ TEST_P(BinTwin, ListsWhatTheSetUpHasBinned) {
 struct BinCase {
     const char* name;
     SceneCase scene;
-    bool strips, walked, wide;            // what the row is there to show
+    bool strips, walked, wide;  // what the row is there to show
 };
 
 class BinCrowds : public OnDevice<::testing::TestWithParam<BinCase>> {};
@@ -99,13 +100,14 @@ TEST_P(BinCrowds, AreListedWhole) {
 }
 
 // soup(): triangles of about so many pixels all over the frame.
-INSTANTIATE_TEST_SUITE_P(Scenes, BinCrowds,
-                         ::testing::Values(BinCase{"Strips", {"large", [](View v) { return soup(v, 17, 900, 150); }, 640, 480}, true, false, false},
-                                           BinCase{"LongStrips", {"long", [](View v) { return soup(v, 21, 60, 900); }, 4096, 64}, true, false, false},
-                                           BinCase{"WideStrips", {"wide", [](View v) { return soup(v, 8, 60, 6000); }, 4096, 96}, true, false, true},
-                                           BinCase{"Medium", {"medium", [](View v) { return soup(v, 5, 12000, 40); }, 320, 240}, false, true, false},
-                                           BinCase{"Small", {"small", [](View v) { return soup(v, 3, 12000, 6); }, 512, 96}, false, false, false}),
-                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, BinCrowds,
+    ::testing::Values(BinCase{"Strips", {"large", [](View v) { return soup(v, 17, 900, 150); }, 640, 480}, true, false, false},
+                      BinCase{"LongStrips", {"long", [](View v) { return soup(v, 21, 60, 900); }, 4096, 64}, true, false, false},
+                      BinCase{"WideStrips", {"wide", [](View v) { return soup(v, 8, 60, 6000); }, 4096, 96}, true, false, true},
+                      BinCase{"Medium", {"medium", [](View v) { return soup(v, 5, 12000, 40); }, 320, 240}, false, true, false},
+                      BinCase{"Small", {"small", [](View v) { return soup(v, 3, 12000, 6); }, 512, 96}, false, false, false}),
+    [](const auto& info) { return info.param.name; });
 
 // Whoever owns a pixel is in its tile's list: the exact coverage of the fill against the bin's own rule.
 TEST_P(BinTwin, MissesNoOwner) {

@@ -3,10 +3,10 @@
 #include "pipeline/passes/encode.h"
 #include "tests/twin/pass_frame.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -15,7 +15,8 @@ namespace {
 
 class FillTwin : public SceneRows {};
 
-void compareFill(Device& device, const SceneCase& row, const Scene& scene, Shading shading, Encoding encoding, int bandRows, bool distantViewer = false, bool repeated = false) {
+void compareFill(Device& device, const SceneCase& row, const Scene& scene, Shading shading, Encoding encoding, int bandRows,
+                 bool distantViewer = false, bool repeated = false) {
     RenderRequest request = requestOf(row, shading);
     request.repeated = repeated;
     request.distantViewer = distantViewer;
@@ -57,7 +58,8 @@ void compareFill(Device& device, const SceneCase& row, const Scene& scene, Shadi
         }
         const auto pixel = [&](size_t channels) {
             return [=](size_t i) {
-                return fmt::format("pixel ({}, {}) channel {}", i / channels % width, i / channels / width + size_t(firstRow), i % channels);
+                return fmt::format("pixel ({}, {}) channel {}", i / channels % width, i / channels / width + size_t(firstRow),
+                                   i % channels);
             };
         };
         expectSame<int>("fill: z bits", z, gotZ, pixel(1));
@@ -96,13 +98,14 @@ TEST_F(FillVariant, EveryNumberOfLightsAndMaterials) {
                 scene.lights.clear();
                 for (size_t i = 0; i < lights; ++i) scene.lights.push_back(kinds[(i + materials) % kinds.size()]);
                 Random random(43);
-                scene.meshes[0] = soupOf(std::vector<Corners>(1, {row.view().pointAt(2, 3, 2), row.view().pointAt(9, 60, 5),
-                                                                  row.view().pointAt(125, 33, 1)}),
-                                         1, &random);
+                scene.meshes[0] = soupOf(
+                    std::vector<Corners>(1, {row.view().pointAt(2, 3, 2), row.view().pointAt(9, 60, 5), row.view().pointAt(125, 33, 1)}), 1,
+                    &random);
                 if (materials > 1) scene.meshes[0] = row.scene().meshes[0];
                 if (!specular)
                     for (Material& m : scene.materials) m.specular = glm::vec3(0);
-                for (const bool repeated : {false, true}) compareFill(device(), row, scene, Shading::phong, Encoding::srgb, int(row.height), false, repeated);
+                for (const bool repeated : {false, true})
+                    compareFill(device(), row, scene, Shading::phong, Encoding::srgb, int(row.height), false, repeated);
             }
 }
 
@@ -145,7 +148,8 @@ TEST_F(FillVariant, TwentyThousandLightsAreNoLimit) {
 }
 TEST_F(FillVariant, ADistantViewer) {
     const SceneCase row{"soupLarge", soupLarge, 131, 67};
-    for (Shading shading : {Shading::flat, Shading::gouraud, Shading::phong}) compareFill(device(), row, row.scene(), shading, Encoding::srgb, int(row.height), true);
+    for (Shading shading : {Shading::flat, Shading::gouraud, Shading::phong})
+        compareFill(device(), row, row.scene(), shading, Encoding::srgb, int(row.height), true);
 }
 
 // A wall that fills the frame but for its left side, and little before it: nearly every tile has one triangle.
@@ -184,7 +188,7 @@ Scene layers(View v, bool nearestFirst) {
     std::vector<Corners> soup;
     const double right = v.width + 9, low = v.height + 9;
     for (int i = 0; i < 20; ++i) {
-        const double depth = nearestFirst ? 2 + i / 2 : 12 - i / 2;   // each twice: ties
+        const double depth = nearestFirst ? 2 + i / 2 : 12 - i / 2;  // each twice: ties
         const double far = depth + (i % 3 == 0 ? 0.75 : 0);
         soup.push_back({v.pointAt(-9, -9, depth), v.pointAt(right, -9, far), v.pointAt(right, low, depth)});
         soup.push_back({v.pointAt(-9, -9, depth), v.pointAt(right, low, depth), v.pointAt(-9, low, far)});
@@ -203,7 +207,8 @@ Scene layersAmongOthers(View v) {
             soup.push_back({v.pointAt(-9, -9, depth), v.pointAt(right, -9, depth), v.pointAt(right, low, depth)});
             soup.push_back({v.pointAt(-9, -9, depth), v.pointAt(right, low, depth), v.pointAt(-9, low, depth)});
         }
-        soup.push_back({v.pointAt(9 + 3 * group, 5, 4 - 0.4 * group), v.pointAt(120, 20 + 5 * group, 4 - 0.4 * group), v.pointAt(40, 63 - 4 * group, 4 - 0.4 * group)});
+        soup.push_back({v.pointAt(9 + 3 * group, 5, 4 - 0.4 * group), v.pointAt(120, 20 + 5 * group, 4 - 0.4 * group),
+                        v.pointAt(40, 63 - 4 * group, 4 - 0.4 * group)});
     }
     return sceneOf(soup);
 }
@@ -258,7 +263,8 @@ TEST_F(FillVariant, SharedEdgesLoseNoPixelAndShareNone) {
             for (int x = cx - 2; x <= cx + 2; ++x) {
                 if (x < 0 || y < 0 || x >= int(row.width) || y >= int(row.height)) continue;
                 ++exact;
-                ASSERT_EQ(times[size_t(y) * row.width + size_t(x)], 1u) << "pixel (" << x << ", " << y << ") of the fan at triangle " << first;
+                ASSERT_EQ(times[size_t(y) * row.width + size_t(x)], 1u)
+                    << "pixel (" << x << ", " << y << ") of the fan at triangle " << first;
             }
         if (first > 6 * 40) break;  // all offsets have come up
     }

@@ -3,10 +3,10 @@
 
 #include "tests/twin/pass_frame.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <ostream>
 #include <span>
@@ -70,8 +70,8 @@ TEST_P(IlluminateTwin, LeavesTheSameBytes) {
             l.place = {gpu::rowTimesPoint(o.world0, p), gpu::rowTimesPoint(o.world1, p), gpu::rowTimesPoint(o.world2, p)};
         }
     const gpu::ShadeParts parts{row.diffuse, row.specular, row.point, row.power};
-    const gpu::IlluminatePush push{0, row.first, row.count, 1, 0, uint32_t(lights.size()),
-                                   row.distant ? glm::vec3(0.6f, 0, 0.8f) : glm::vec3(0)};
+    const gpu::IlluminatePush push{
+        0, row.first, row.count, 1, 0, uint32_t(lights.size()), row.distant ? glm::vec3(0.6f, 0, 0.8f) : glm::vec3(0)};
     std::vector<glm::vec4> want(total);
     illuminateCpu(push, parts, positions, normals, material, objects, materials, lights, want, 1);
     for (const Specialization& exact : exactForms(device())) {
@@ -94,23 +94,22 @@ TEST_P(IlluminateTwin, LeavesTheSameBytes) {
         expectSentinels("illuminate", got, total);
     }
     const bool anyLight = std::any_of(want.begin() + row.first, want.end(), [](const glm::vec4& v) { return v.x > 0.01f; });
-    EXPECT_TRUE(anyLight || row.lights == 0 || row.count == 1 || !(row.diffuse || row.specular)) << "no point is lit: this row shows nothing";
+    EXPECT_TRUE(anyLight || row.lights == 0 || row.count == 1 || !(row.diffuse || row.specular))
+        << "no point is lit: this row shows nothing";
 }
 
-INSTANTIATE_TEST_SUITE_P(Rows, IlluminateTwin,
-                         ::testing::Values(Row{"one_point", 0, 1, 1, true, true, true}, Row{"no_light", 0, 19, 0, true, true, true},
-                                           Row{"nineteen", 0, 19, 1, true, true, true}, Row{"from_3", 3, 61, 2, true, true, true},
-                                           Row{"every_kind", 0, 4099, 9, true, true, true},
-                                           Row{"diffuse_only", 0, 257, 9, true, false, true},
-                                           Row{"specular_only", 0, 257, 9, false, true, true},
-                                           Row{"schlick", 0, 257, 9, true, true, true, gpu::kPowerSchlick},
-                                           Row{"distant_viewer", 0, 257, 9, true, true, true, gpu::kPowerExact, true},
-                                           Row{"neither", 0, 257, 9, false, false, true},
-                                           Row{"directional_only", 0, 257, 1, true, true, false},
-                                           Row{"forty_lights", 0, 131, 40, true, true, true},
-                                           Row{"two_windows", 3, 131, gpu::kLightsPerWindow + 1, true, true, true},
-                                           Row{"many_dispatches", 5, 4099, 2 * gpu::kLightsPerWindow, true, true, true}),
-                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Rows, IlluminateTwin,
+    ::testing::Values(Row{"one_point", 0, 1, 1, true, true, true}, Row{"no_light", 0, 19, 0, true, true, true},
+                      Row{"nineteen", 0, 19, 1, true, true, true}, Row{"from_3", 3, 61, 2, true, true, true},
+                      Row{"every_kind", 0, 4099, 9, true, true, true}, Row{"diffuse_only", 0, 257, 9, true, false, true},
+                      Row{"specular_only", 0, 257, 9, false, true, true}, Row{"schlick", 0, 257, 9, true, true, true, gpu::kPowerSchlick},
+                      Row{"distant_viewer", 0, 257, 9, true, true, true, gpu::kPowerExact, true},
+                      Row{"neither", 0, 257, 9, false, false, true}, Row{"directional_only", 0, 257, 1, true, true, false},
+                      Row{"forty_lights", 0, 131, 40, true, true, true},
+                      Row{"two_windows", 3, 131, gpu::kLightsPerWindow + 1, true, true, true},
+                      Row{"many_dispatches", 5, 4099, 2 * gpu::kLightsPerWindow, true, true, true}),
+    [](const auto& info) { return info.param.name; });
 
 }  // namespace
 }  // namespace plumb::test

@@ -3,10 +3,10 @@
 
 #include "tests/twin/pass_frame.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <ostream>
 #include <utility>
@@ -40,19 +40,20 @@ Edges edgesFor(View v, uint32_t randomOnes) {
         e.add(at(30.5, 3.5 + d), at(13.5, 20.5 + d));
         e.add(at(12.5, 12.5), at(12.5 + d, 12.5 + d));
     }
-    e.add(at(10.5, 10.5, kNear), at(30.5, 12.5, kNear));                      // in the near plane: neither end is outside
+    e.add(at(10.5, 10.5, kNear), at(30.5, 12.5, kNear));  // in the near plane: neither end is outside
     for (int k = 0; k < 20; ++k) {
         const glm::vec3 a = at(r(0, v.width), r(0, v.height), 2), b = at(r(0, v.width), r(0, v.height), 4);
         e.add(a, b);
         e.add(b, a);
-        e.add(a, -b);                                                         // through the near plane
+        e.add(a, -b);  // through the near plane
         e.add(at(r(-9000, 9000), r(-9000, 9000)), at(r(-9000, 9000), r(-9000, 9000)));
-        e.add(-a, -b);                                                        // behind the eye
+        e.add(-a, -b);  // behind the eye
         e.add(a, a);
         e.add(at(r(0, v.width), r(0, v.height), kNear), a);
     }
     while (e.edges.size() < randomOnes)
-        e.add(at(r(-0.2, 1.2) * v.width, r(-0.2, 1.2) * v.height, r(0.3, 9)), at(r(-0.2, 1.2) * v.width, r(-0.2, 1.2) * v.height, r(0.3, 9)));
+        e.add(at(r(-0.2, 1.2) * v.width, r(-0.2, 1.2) * v.height, r(0.3, 9)),
+              at(r(-0.2, 1.2) * v.width, r(-0.2, 1.2) * v.height, r(0.3, 9)));
     return e;
 }
 
@@ -96,9 +97,8 @@ TEST_P(LinesTwin, LeavesTheSameOwners) {
             std::fill_n(owners.span().begin(), pixels, gpu::kNoEdge);
             recordLines(recorder, push, exact, edges, positions, objects, owners);
             recorder.run(kWatchdogMs);
-            expectSame<uint32_t>("lines: owner", want, std::as_const(owners).span().first(pixels), [&](size_t i) {
-                return fmt::format("pixel ({}, {})", i % row.width, i / row.width + size_t(firstRow));
-            });
+            expectSame<uint32_t>("lines: owner", want, std::as_const(owners).span().first(pixels),
+                                 [&](size_t i) { return fmt::format("pixel ({}, {})", i % row.width, i / row.width + size_t(firstRow)); });
             expectSentinels("lines", owners, pixels);
         }
     }
@@ -116,7 +116,7 @@ TEST_P(LinesTwin, LeavesTheSameOwnersWhereHiddenLinesAreRemoved) {
     for (size_t i = 0; i < e.edges.size(); ++i) faces.push_back(uint32_t(i % 7));
     std::vector<glm::uvec2> surfaces;
     for (size_t i = 0; i < size_t(row.width) * row.height; ++i) {
-        const float z = i % 3 == 0 ? float(kNear) : float(kNear / r(0.3, 9));   // that of lines at w = 1, often exactly
+        const float z = i % 3 == 0 ? float(kNear) : float(kNear / r(0.3, 9));  // that of lines at w = 1, often exactly
         surfaces.push_back(i % 11 == 0 ? glm::uvec2(0, gpu::kNoFace) : glm::uvec2(gpu::ubitsOf(z), r.below(7)));
     }
     gpu::LinesPush push{};
@@ -152,9 +152,8 @@ TEST_P(LinesTwin, LeavesTheSameOwnersWhereHiddenLinesAreRemoved) {
             std::fill_n(owners.span().begin(), pixels, gpu::kNoEdge);
             recordHiddenLines(recorder, push, exact, edges, positions, objects, owners, edgeFaces, seen);
             recorder.run(kWatchdogMs);
-            expectSame<uint32_t>("lines: owner", want, std::as_const(owners).span().first(pixels), [&](size_t i) {
-                return fmt::format("pixel ({}, {})", i % row.width, i / row.width + size_t(firstRow));
-            });
+            expectSame<uint32_t>("lines: owner", want, std::as_const(owners).span().first(pixels),
+                                 [&](size_t i) { return fmt::format("pixel ({}, {})", i % row.width, i / row.width + size_t(firstRow)); });
             expectSentinels("lines", owners, pixels);
         }
     }
@@ -184,13 +183,13 @@ TEST(LinesTwinByHand, ShowsALineByItsOwnPolygonOrByItsDepth) {
     const uint32_t at = gpu::ubitsOf(0.25f), nearer = gpu::ubitsOf(0.5f), farther = gpu::ubitsOf(0.125f);
     std::vector<glm::uvec2> surfaces(19 * 19, glm::uvec2(nearer, 5));
     const auto put = [&](uint32_t x, uint32_t y, uint32_t z, uint32_t face) { surfaces[y * 19 + x] = {z, face}; };
-    put(4, 4, at, 5);             // as near as the line
+    put(4, 4, at, 5);  // as near as the line
     put(5, 4, farther, 5);
-    put(6, 4, 0, gpu::kNoFace);   // nothing
-    put(7, 4, nearer, 2);         // its own polygon, nearer by rounding
-    put(8, 3, nearer, 2);         // its own polygon above
-    put(9, 5, farther, 2);        // and below
-    put(10, 5, farther, 5);       // a surface behind it, but beside it
+    put(6, 4, 0, gpu::kNoFace);  // nothing
+    put(7, 4, nearer, 2);        // its own polygon, nearer by rounding
+    put(8, 3, nearer, 2);        // its own polygon above
+    put(9, 5, farther, 2);       // and below
+    put(10, 5, farther, 5);      // a surface behind it, but beside it
     std::vector<uint32_t> owners(19 * 19, gpu::kNoEdge);
     const std::vector<uint32_t> faces = {2};
     linesCpu(push, e.edges, e.positions, list.objects, owners, {faces, surfaces});

@@ -21,7 +21,8 @@ inline constexpr uint32_t kPassPlanes = gpu::kFillPlaneZ | gpu::kFillPlaneTriang
 
 // The two forms of division and root of shaders/shared/exact.h: as the self-test chose, and emulated.
 inline std::vector<Specialization> exactForms(const Device& device) {
-    return {{{"kNativeDivide", device.selfTest().nativeDivideIsExact}, {"kNativeRoot", device.selfTest().nativeRootIsExact}}, {{"kNativeDivide", false}, {"kNativeRoot", false}}};
+    return {{{"kNativeDivide", device.selfTest().nativeDivideIsExact}, {"kNativeRoot", device.selfTest().nativeRootIsExact}},
+            {{"kNativeDivide", false}, {"kNativeRoot", false}}};
 }
 
 template <class T>

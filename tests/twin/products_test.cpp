@@ -59,8 +59,7 @@ protected:
 
     // What `record` leaves: `count` results that are `want`, the odd one's neighbour, and nothing behind.
     template <class Record>
-    void expectVertices(const char* what, std::span<const glm::vec4> vertices, std::span<const glm::vec4> want,
-                        const Record& record) {
+    void expectVertices(const char* what, std::span<const glm::vec4> vertices, std::span<const glm::vec4> want, const Record& record) {
         const uint64_t count = vertices.size();
         Buffer<glm::vec4> in(device(), count, "vertices");
         Buffer<gpu::VertexPair> out(device(), pairsOf(count) + 1, "results");
@@ -93,11 +92,9 @@ TEST_P(ProductsTwin, VerticesLeaveTheSameBytes) {
                 recordVertices(r, device().limits(), n, count, in, matrices, out);
             });
         }
-        for (uint64_t i = 0; i < count; ++i)
-            want[i] = gpu::markOf(seven[0], uint32_t(i % verticesPerDispatch(device().limits())));
-        expectVertices("marks", vertices, want, [&](Recorder& r, const auto& in, const auto& out) {
-            recordMarks(r, device().limits(), count, in, matrices, out);
-        });
+        for (uint64_t i = 0; i < count; ++i) want[i] = gpu::markOf(seven[0], uint32_t(i % verticesPerDispatch(device().limits())));
+        expectVertices("marks", vertices, want,
+                       [&](Recorder& r, const auto& in, const auto& out) { recordMarks(r, device().limits(), count, in, matrices, out); });
     }
 }
 
@@ -131,8 +128,7 @@ TEST_P(ProductsTwin, LevelsOfAChainLeaveTheSameBytes) {
                 Recorder recorder(device());
                 recordChainLevel(recorder, device().limits(), level, perLane, count, in, out);
                 recorder.run();
-                EXPECT_EQ(std::memcmp(out.data(), want.data(), lanes * sizeof(gpu::Rows)), 0)
-                    << count << " by " << perLane;
+                EXPECT_EQ(std::memcmp(out.data(), want.data(), lanes * sizeof(gpu::Rows)), 0) << count << " by " << perLane;
                 EXPECT_EQ(*reinterpret_cast<const uint32_t*>(&out.span()[lanes]), kUntouched)
                     << count << " by " << perLane << " wrote behind its products";
             }

@@ -4,9 +4,9 @@
 #include "pipeline/passes/encode.h"
 #include "tests/twin/pass_frame.h"
 
+#include <fmt/format.h>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <ostream>
 #include <utility>
@@ -19,7 +19,7 @@ struct Row {
     uint32_t width, height, side;
     bool transparent;
     uint32_t encoding;
-    uint32_t stride = 0;   // 0: side
+    uint32_t stride = 0;  // 0: side
 };
 std::ostream& operator<<(std::ostream& out, const Row& r) { return out << r.width << 'x' << r.height << " side " << r.side; }
 
@@ -102,7 +102,8 @@ std::vector<Row> rows() {
 }
 INSTANTIATE_TEST_SUITE_P(Rows, ResolveTwin, ::testing::ValuesIn(rows()), [](const auto& info) {
     const Row& r = info.param;
-    return fmt::format("{}x{}_side{}{}_{}_{}", r.width, r.height, r.side, r.stride ? "_shared" : "", r.transparent ? "transparent" : "opaque", r.encoding ? "linear" : "srgb");
+    return fmt::format("{}x{}_side{}{}_{}_{}", r.width, r.height, r.side, r.stride ? "_shared" : "",
+                       r.transparent ? "transparent" : "opaque", r.encoding ? "linear" : "srgb");
 });
 
 }  // namespace

@@ -5,9 +5,9 @@
 #include "pipeline/passes/scanline.h"
 #include "tests/twin/pass_frame.h"
 
+#include <fmt/format.h>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <span>
 #include <vector>
 
@@ -28,9 +28,7 @@ inline ScanCanvas sameOnBothSides(const ScanList& list, std::vector<gpu::ScanSpa
         Recorder recorder(device);
         const ScanCanvas got = scanlineGpu(device, recorder, list, exact, kWatchdogMs, &gotSpans);
         expectSame<gpu::ScanSpan>("scanline: line", wantSpans, gotSpans);
-        const auto place = [&](size_t i) {
-            return fmt::format("pixel ({}, {})", i % size_t(list.width), i / size_t(list.width));
-        };
+        const auto place = [&](size_t i) { return fmt::format("pixel ({}, {})", i % size_t(list.width), i / size_t(list.width)); };
         expectSame<float>("scanpaint: Z", want.z, got.z, place);
         expectSame<uint32_t>("scanpaint: polygon", want.owner, got.owner, place);
         expectSame<float>("scanpaint: carried", std::span<const float>(&want.carried[0].x, 3 * want.carried.size()),

@@ -30,7 +30,8 @@ std::vector<gpu::ScanCorner> polygonAround(Random& r, double x, double y, double
     const double phase = r(0, 6), flat = r(0.2, 1), sense = r.below(2) == 0 ? 1 : -1;
     for (uint32_t i = 0; i < corners; ++i) {
         const double angle = phase + sense * 2 * std::numbers::pi * i / corners;
-        polygon.push_back({int(std::nearbyint(x + reach * std::cos(angle))), int(std::nearbyint(y + reach * flat * std::sin(angle))),
+        polygon.push_back({int(std::nearbyint(x + reach * std::cos(angle))),
+                           int(std::nearbyint(y + reach * flat * std::sin(angle))),
                            float(r(-50, 500)),
                            {float(r(-1, 1)), float(r(0, 1)), float(r(0, 2))}});
     }
@@ -49,24 +50,19 @@ ScanList listOf(int width, int height, uint32_t count, double reach, uint32_t se
     add({{3, 3, 1, {1, 2, 3}}, {3, 3, 1, {1, 2, 3}}, {3, 3, 1, {1, 2, 3}}});
     add({{0, 2, 1, {}}, {5, 2, 1, {}}, {2, 2, 1, {}}});
     add({{1, 0, 7, {0.5f, 0, 0}}, {1, 6, 9, {0, 1, 0}}, {1, 3, 8, {0, 0, 1}}});
-    add({{0, 0, 400, {1, 0, 0}},
-         {w - 1, 0, 400, {0, 1, 0}},
-         {w - 1, h - 1, 400, {0, 0, 1}},
-         {0, h - 1, 400, {1, 1, 1}}});
+    add({{0, 0, 400, {1, 0, 0}}, {w - 1, 0, 400, {0, 1, 0}}, {w - 1, h - 1, 400, {0, 0, 1}}, {0, h - 1, 400, {1, 1, 1}}});
     add({{0, 0, 400, {9, 9, 9}}, {w, 0, 400, {9, 9, 9}}, {w, h, 400, {9, 9, 9}}, {0, h, 400, {9, 9, 9}}});
     add({{-20, -20, 399, {2, 0, 0}}, {5, -3, 399, {}}, {-4, 9, 399, {}}});
     add({{w + 20, 1, 399, {3, 0, 0}}, {w - 3, 4, 399, {}}, {w + 9, h + 7, 399, {}}});
     // The triangle of section 13.1, whose edge is switched in the middle.
     add({{10, 20, 100, {1, 0, 0}}, {30, 0, 200, {0, 1, 0}}, {30, 30, 300, {0, 0, 1}}});
-    for (uint32_t i = 0; i < count; ++i)
-        add(polygonAround(r, r(-0.2, 1.2) * width, r(-0.2, 1.2) * height, r(0.5, reach), 3 + r.below(6)));
+    for (uint32_t i = 0; i < count; ++i) add(polygonAround(r, r(-0.2, 1.2) * width, r(-0.2, 1.2) * height, r(0.5, reach), 3 + r.below(6)));
     return list;
 }
 
 void expectSameCanvas(const ScanList& list) {
     const ScanCanvas canvas = sameOnBothSides(list, nullptr);
-    EXPECT_LT(size_t(std::count(canvas.owner.begin(), canvas.owner.end(), gpu::kNoPolygon)), canvas.owner.size())
-        << "nothing is painted";
+    EXPECT_LT(size_t(std::count(canvas.owner.begin(), canvas.owner.end(), gpu::kNoPolygon)), canvas.owner.size()) << "nothing is painted";
 }
 
 TEST_F(ScanlineTwin, LeavesTheSameBytes) {
@@ -96,8 +92,7 @@ TEST_F(ScanlineTwin, AnEmptyListLeavesAnEmptyCanvas) {
 }
 
 TEST(ScanlineRules, EqualZKeepsTheFirstAndOrderOfDifferentZDoesNotMatter) {
-    const std::vector<gpu::ScanCorner> far = {
-        {0, 0, 5, {1, 0, 0}}, {9, 0, 5, {1, 0, 0}}, {9, 9, 5, {1, 0, 0}}, {0, 9, 5, {1, 0, 0}}};
+    const std::vector<gpu::ScanCorner> far = {{0, 0, 5, {1, 0, 0}}, {9, 0, 5, {1, 0, 0}}, {9, 9, 5, {1, 0, 0}}, {0, 9, 5, {1, 0, 0}}};
     std::vector<gpu::ScanCorner> same = far, near = far;
     for (gpu::ScanCorner& c : same) c.carried = {2, 0, 0};
     for (gpu::ScanCorner& c : near) c.z = 4, c.carried = {3, 0, 0};
@@ -165,7 +160,8 @@ size_t expectItsLines(const ScanList& list, const gpu::ScanPolygon& p, std::span
 Corners smallTriangle(Random& r, int x, int y, uint32_t reach) {
     Corners corners;
     for (int i = 0; i < 3; ++i)
-        corners.push_back({x + int(r.below(2 * reach + 1)) - int(reach), y + int(r.below(2 * reach + 1)) - int(reach), float(r(-1, 1)), {}});
+        corners.push_back(
+            {x + int(r.below(2 * reach + 1)) - int(reach), y + int(r.below(2 * reach + 1)) - int(reach), float(r(-1, 1)), {}});
     return corners;
 }
 
@@ -310,7 +306,8 @@ TEST_F(ScanlineTwin, ACanvasLongerThanABlockIsPaintedInSeveral) {
         const ScanCanvas canvas = sameOnBothSides(list, nullptr);
         size_t painted = 0;
         for (int y = 0; y < height; ++y)
-            if (const std::optional<PaintedLine> line = paintedLine(corners, y)) painted += size_t(std::min<int64_t>(width - 1, line->last) + 1);
+            if (const std::optional<PaintedLine> line = paintedLine(corners, y))
+                painted += size_t(std::min<int64_t>(width - 1, line->last) + 1);
         EXPECT_EQ(canvas.owner.size() - size_t(std::count(canvas.owner.begin(), canvas.owner.end(), gpu::kNoPolygon)), painted);
     }
 }
@@ -319,7 +316,8 @@ TEST_F(ScanlineTwin, ACanvasLongerThanABlockIsPaintedInSeveral) {
 TEST(ScanlineRules, AStepIsRoundedOnce) {
     Random r(29);
     for (int i = 0; i < 1000000; ++i) {
-        const float base = float(r(-500, 500)), steps = i % 2 ? float(r.below(60000)) : float(r(0, 3000)), step = float(r(-1, 1) * std::pow(10, r(-6, 1)));
+        const float base = float(r(-500, 500)), steps = i % 2 ? float(r.below(60000)) : float(r(0, 3000)),
+                    step = float(r(-1, 1) * std::pow(10, r(-6, 1)));
         const long double product = static_cast<long double>(steps) * step, exact = base + product;
         const float got = gpu::scanAlong(base, steps, step);
         const long double halfPlace = (std::nextafter(std::abs(got), 1e30f) - static_cast<long double>(std::abs(got))) / 2;

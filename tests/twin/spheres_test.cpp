@@ -3,11 +3,11 @@
 
 #include "tests/twin/pass_frame.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
@@ -28,14 +28,12 @@ Lit litOf(uint32_t lightCount) {
     Random r(43);
     Lit lit;
     for (float n : {0.0f, 1.0f, 32.0f, 1e6f})
-        lit.materials.push_back(
-            {{0.01f, 0.02f, 0.03f}, n, {0.7f, 0.5f, 0.3f}, n == 0 ? 1.0f : 0.0f, {0.4f, 0.6f, 0.8f}, 0});
+        lit.materials.push_back({{0.01f, 0.02f, 0.03f}, n, {0.7f, 0.5f, 0.3f}, n == 0 ? 1.0f : 0.0f, {0.4f, 0.6f, 0.8f}, 0});
     for (uint32_t i = 0; i < lightCount; ++i) {
         const bool point = i % 4 != 0;
         glm::vec3 d = r.direction();
         d.z = -std::abs(d.z);
-        lit.lights.push_back(
-            {point ? d * 40.0f : d, point ? 1.0f : 0.0f, {0.5f, 0.4f, 0.3f}, float(point ? (i - 1) % 4 : 0)});
+        lit.lights.push_back({point ? d * 40.0f : d, point ? 1.0f : 0.0f, {0.5f, 0.4f, 0.3f}, float(point ? (i - 1) % 4 : 0)});
     }
     return lit;
 }
@@ -79,14 +77,11 @@ SphereCanvas expectSameCanvas(Device& device, const SphereList& list, const Sphe
     for (const Specialization& exact : exactForms(device)) {
         Recorder recorder(device);
         const SphereCanvas got = spheresGpu(device, recorder, list, light, exact, kWatchdogMs);
-        const auto place = [&](size_t i) {
-            return fmt::format("pixel ({}, {})", i % size_t(list.width), i / size_t(list.width));
-        };
+        const auto place = [&](size_t i) { return fmt::format("pixel ({}, {})", i % size_t(list.width), i / size_t(list.width)); };
         expectSame<float>("spheres: depth", want.depth, got.depth, place);
         expectSame<uint32_t>("spheres: sphere", want.owner, got.owner, place);
         expectSame<float>("spheres: colour", std::span<const float>(&want.colour[0].x, 4 * want.colour.size()),
-                          std::span<const float>(&got.colour[0].x, 4 * got.colour.size()),
-                          [&](size_t i) { return place(i / 4); });
+                          std::span<const float>(&got.colour[0].x, 4 * got.colour.size()), [&](size_t i) { return place(i / 4); });
     }
     return want;
 }
@@ -94,8 +89,8 @@ SphereCanvas expectSameCanvas(Device& device, const SphereList& list, const Sphe
 TEST_F(SpheresTwin, LeavesTheSameBytes) {
     const Lit lit = litOf(5);
     for (const bool whole : {false, true})
-        for (const SphereList& list : {listOf(131, 67, 40, 20, 3), listOf(64, 64, 200, 9, 5),
-                                       listOf(35, 129, 30, 60, 7), listOf(1, 1, 20, 9, 11)}) {
+        for (const SphereList& list :
+             {listOf(131, 67, 40, 20, 3), listOf(64, 64, 200, 9, 5), listOf(35, 129, 30, 60, 7), listOf(1, 1, 20, 9, 11)}) {
             SCOPED_TRACE(fmt::format("{}x{}, heights {}", list.width, list.height, whole ? "whole" : "exact"));
             const SphereCanvas canvas = expectSameCanvas(device(), list, lit.with(whole));
             EXPECT_LT(size_t(std::count(canvas.owner.begin(), canvas.owner.end(), gpu::kNoSphere)), canvas.owner.size())

@@ -5,9 +5,9 @@
 #include "tests/support/ray_scenes.h"
 #include "tests/twin/pass_frame.h"
 
+#include <fmt/format.h>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <ostream>
 #include <span>
@@ -166,8 +166,8 @@ INSTANTIATE_TEST_SUITE_P(Rows, TraceTwin,
                          ::testing::Values(Row{"mirrors", mirrors, 1, 1}, Row{"mirrors", mirrors, 19, 1}, Row{"mirrors", mirrors, 131, 67},
                                            Row{"glass", glass, 1, 19}, Row{"glass", glass, 67, 35}, Row{"inGlass", inGlass, 67, 35},
                                            Row{"farAway", farAway, 67, 35}, Row{"closeOutside", closeOutside, 67, 35},
-                                           Row{"closeInside", closeInside, 67, 35}, Row{"level", level, 17, 9}, Row{"meshesAmongMirrors", meshesAmongMirrors, 67, 35},
-                                           Row{"meshesAlone", meshesAlone, 131, 67}),
+                                           Row{"closeInside", closeInside, 67, 35}, Row{"level", level, 17, 9},
+                                           Row{"meshesAmongMirrors", meshesAmongMirrors, 67, 35}, Row{"meshesAlone", meshesAlone, 131, 67}),
                          [](const auto& info) { return fmt::format("{}_{}x{}", info.param.name, info.param.width, info.param.height); });
 
 // Sampling choices: each on a scene where it shows, by bands and by lists too.
@@ -209,15 +209,19 @@ void jitterAll(RenderRequest& r) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Rows, SamplingTwin,
-    ::testing::Values(SamplingRow{"random_on_glass", glass, [](RenderRequest& r) { r.samples = 4, r.rays.sampling = RayChoices::Sampling::random; }},
+    ::testing::Values(SamplingRow{"random_on_glass", glass,
+                                  [](RenderRequest& r) { r.samples = 4, r.rays.sampling = RayChoices::Sampling::random; }},
                       SamplingRow{"random_one_ray", mirrors, [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::random; }},
                       SamplingRow{"jitter_on_glass", glass, jitterAll}, SamplingRow{"jitter_on_mirrors", mirrors, jitterAll},
                       SamplingRow{"jitter_on_meshes", meshesAmongMirrors, jitterAll},
                       SamplingRow{"corners_of_glass", glass, [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::corners; }},
-                      SamplingRow{"corners_of_mirrors", mirrors, [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::corners, r.transparent = true; }},
+                      SamplingRow{"corners_of_mirrors", mirrors,
+                                  [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::corners, r.transparent = true; }},
                       SamplingRow{"adaptive_on_glass", glass, [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::adaptive; }},
                       SamplingRow{"adaptive_on_mirrors", mirrors,
-                                  [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::adaptive, r.transparent = true, r.rays.jitterShadow = 0.1f; }},
+                                  [](RenderRequest& r) {
+                                      r.rays.sampling = RayChoices::Sampling::adaptive, r.transparent = true, r.rays.jitterShadow = 0.1f;
+                                  }},
                       SamplingRow{"notes_on_mirrors", mirrors, [](RenderRequest& r) { r.rays.sampling = RayChoices::Sampling::notes; }},
                       SamplingRow{"cut_levels", mirrors, [](RenderRequest& r) { r.rays.cutLevels = true, r.encoding = Encoding::linear; }}),
     [](const auto& info) { return std::string(info.param.name); });

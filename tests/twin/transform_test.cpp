@@ -138,10 +138,13 @@ TEST_P(TransformTwin, LeavesTheSameBytesInLongNumbers) {
                 gotClip.fill(kSentinel);
                 recordLongTransform(recorder, device(), push, carriedNormals, exact, p, n, o, gotScreen, gotCarried, {numbers, l, gotClip});
                 recorder.run(kWatchdogMs);
-                expectSame<gpu::ScreenVertex>("transform: vertex", std::span(screen).subspan(row.first), gotScreen.span().subspan(row.first, row.count));
-                expectSame<glm::vec4>("transform: clip space", std::span(clip).subspan(row.first), gotClip.span().subspan(row.first, row.count));
+                expectSame<gpu::ScreenVertex>("transform: vertex", std::span(screen).subspan(row.first),
+                                              gotScreen.span().subspan(row.first, row.count));
+                expectSame<glm::vec4>("transform: clip space", std::span(clip).subspan(row.first),
+                                      gotClip.span().subspan(row.first, row.count));
                 if (row.normals)
-                    expectSame<glm::vec4>("transform: normal", std::span(carried).subspan(row.first), gotCarried.span().subspan(row.first, row.count));
+                    expectSame<glm::vec4>("transform: normal", std::span(carried).subspan(row.first),
+                                          gotCarried.span().subspan(row.first, row.count));
                 expectSentinels("transform: vertices", gotScreen, total);
                 expectSentinels("transform: clip space", gotClip, total);
                 expectSentinels("transform: normals", gotCarried, row.normals ? total : 0);
@@ -153,8 +156,8 @@ TEST_P(TransformTwin, LeavesTheSameBytesInLongNumbers) {
 
 INSTANTIATE_TEST_SUITE_P(Counts, TransformTwin,
                          ::testing::Values(Row{"one", 5, 1, true}, Row{"nineteen", 0, 19, true}, Row{"nineteen_from_7", 7, 19, false},
-                                           Row{"sixty_three", 0, 63, true}, Row{"sixty_four", 0, 64, true},
-                                           Row{"sixty_five", 0, 65, false}, Row{"many", 1, 70001, true}),
+                                           Row{"sixty_three", 0, 63, true}, Row{"sixty_four", 0, 64, true}, Row{"sixty_five", 0, 65, false},
+                                           Row{"many", 1, 70001, true}),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

@@ -6,14 +6,14 @@
 #include "pipeline/truth/frame_error.h"
 #include "tests/support/ray_scenes.h"
 
+#include <fmt/core.h>
+#include <gtest/gtest.h>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
-#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -23,9 +23,7 @@ namespace {
 
 constexpr glm::uvec2 kSize{160, 120};
 
-Scene committed(const char* name) {
-    return test::committed(std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes" / name, kSize);
-}
+Scene committed(const char* name) { return test::committed(std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes" / name, kSize); }
 
 RenderRequest requestOf(Shading shading = Shading::phong) {
     RenderRequest r;
@@ -126,9 +124,7 @@ TEST(BoundOfTrade, FollowsTheDistanceOfALight) {
     lamp.intensity = glm::vec3(1);
     const Object& object = scene.objects[0];
     const TriangleMesh& mesh = scene.meshes[object.mesh];
-    const auto place = [&](uint32_t v) {
-        return glm::dvec3(object.worldFromObject * glm::dvec4(mesh.positions[v], 1));
-    };
+    const auto place = [&](uint32_t v) { return glm::dvec3(object.worldFromObject * glm::dvec4(mesh.positions[v], 1)); };
     const TriangleMesh::Triangle& t = mesh.triangles[0];
     scene.lights = {lamp};
     scene.lights[0].position = (place(t.vertex[0]) + place(t.vertex[1]) + place(t.vertex[2])) / 3.0;
@@ -144,7 +140,8 @@ TEST(BoundOfTrade, FollowsTheDistanceOfALight) {
 // A pixel's move is within what its own cut rays can make of it, in the direction in which rays come or go.
 TEST(BoundOfRays, HoldsInPicturesAndIsReached) {
     double reachedDepth = 0, reachedCutoff = 0;
-    for (const auto& row : {std::pair("mirrors", test::mirrors()), std::pair("glass", test::glass()), std::pair("meshes", test::meshesAmongMirrors())}) {
+    for (const auto& row :
+         {std::pair("mirrors", test::mirrors()), std::pair("glass", test::glass()), std::pair("meshes", test::meshesAmongMirrors())}) {
         const char* name = row.first;
         const Scene& scene = row.second;
         RenderRequest base = requestOf(Shading::ray);

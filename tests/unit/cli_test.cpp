@@ -4,13 +4,13 @@
 #include "pipeline/cli/options.h"
 #include "pipeline/cli/progress.h"
 
+#include <fmt/core.h>
+#include <gtest/gtest.h>
 #include <array>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 #include <optional>
 #include <regex>
 #include <sstream>
@@ -30,9 +30,12 @@ Options parse(const std::string& line) {
 
 TEST(Options, TakeEveryValueOfTheTable) {
     const Options o = parse(
-        "render a.obj b.ply -o out.exr --size 333x211 --shading gouraud --samples 16 --encode linear --background #12ab00 --aov depth,id,depth "
-        "--aov color --bits 16 --eye -1,2.5,3e2 --at 0,0,0 --up -Z --fov 30 --near 0.5 --device lavapipe --require-device software --threads 3 "
-        "--no-clobber --fail-blank=2% --json=r.json --progress json --with-error --trade specular=schlick,depth=16 --trade subpixel=4 --explain --strict --allow-outside --crease 12 --memory 2G --limit-chunk 7 "
+        "render a.obj b.ply -o out.exr --size 333x211 --shading gouraud --samples 16 --encode linear --background #12ab00 --aov "
+        "depth,id,depth "
+        "--aov color --bits 16 --eye -1,2.5,3e2 --at 0,0,0 --up -Z --fov 30 --near 0.5 --device lavapipe --require-device software "
+        "--threads 3 "
+        "--no-clobber --fail-blank=2% --json=r.json --progress json --with-error --trade specular=schlick,depth=16 --trade subpixel=4 "
+        "--explain --strict --allow-outside --crease 12 --memory 2G --limit-chunk 7 "
         "--limit-band 9 --watchdog 500 -v -v");
     EXPECT_EQ(o.command, kRender);
     EXPECT_EQ(o.inputs, (std::vector<std::string>{"a.obj", "b.ply"}));
@@ -65,8 +68,8 @@ TEST(Options, TakeEveryValueOfTheTable) {
 }
 
 TEST(Options, AreTheSameInAnyOrder) {
-    for (const char* line : {"render a.obj --json -o x.png --size 8x9 -v", "--size 8x9 -v --json -o x.png render a.obj", "-o x.png render --size=8x9 --json a.obj -v",
-                             "-v --json render -ox.png --size 8x9 -- a.obj"}) {
+    for (const char* line : {"render a.obj --json -o x.png --size 8x9 -v", "--size 8x9 -v --json -o x.png render a.obj",
+                             "-o x.png render --size=8x9 --json a.obj -v", "-v --json render -ox.png --size 8x9 -- a.obj"}) {
         const Options o = parse(line);
         EXPECT_EQ(o.command, kRender) << line;
         EXPECT_EQ(o.inputs, std::vector<std::string>{"a.obj"}) << line;
@@ -79,10 +82,27 @@ TEST(Options, AreTheSameInAnyOrder) {
 
 TEST(Options, AreAccepted) {
     for (const char* line :
-         {"render a.obj -o -", "render a.obj -o - --json=x.json", "render a.obj --json -o x.png", "render a.obj --view front --view -30,20 -o x.png",
-          "render a.obj --turntable 12 -o s_{n}.png --view iso", "render a.obj --background transparent -o a.png", "render a.obj --fail-blank -o a.png",
-          "render a.obj --up 0,0,1 -o a.png", "render a.obj --explain", "verify a.toml b.obj --json -o d/x.png", "devices --require-device gpu", "devices", "info a.obj --json",
-          "help", "help render", "help --man", "help --completion fish", "--version", "--help", "render --help", "render a.obj -o a.png --memory 1048576",
+         {"render a.obj -o -",
+          "render a.obj -o - --json=x.json",
+          "render a.obj --json -o x.png",
+          "render a.obj --view front --view -30,20 -o x.png",
+          "render a.obj --turntable 12 -o s_{n}.png --view iso",
+          "render a.obj --background transparent -o a.png",
+          "render a.obj --fail-blank -o a.png",
+          "render a.obj --up 0,0,1 -o a.png",
+          "render a.obj --explain",
+          "verify a.toml b.obj --json -o d/x.png",
+          "devices --require-device gpu",
+          "devices",
+          "info a.obj --json",
+          "help",
+          "help render",
+          "help --man",
+          "help --completion fish",
+          "--version",
+          "--help",
+          "render --help",
+          "render a.obj -o a.png --memory 1048576",
           "render a.obj -o a.png --size 65536x1",
           "diff a.png b.png --gate max<=2/255 --gate flip<=0.02 --radius 1 --ppd 30 --plane color,depth --heat h.png -o d.png --json"})
         EXPECT_NO_THROW(parse(line)) << line;
@@ -195,9 +215,12 @@ TEST(Options, PrintNoControlCharacters) {
 
 TEST(Help, NamesEveryFlagAndThreeExamples) {
     for (const CommandRow& row : commands()) {
-        const std::string text = helpText(row.bit), list = text.substr(text.find("\nflags:"), text.find("\nexamples:") - text.find("\nflags:"));
+        const std::string text = helpText(row.bit),
+                          list = text.substr(text.find("\nflags:"), text.find("\nexamples:") - text.find("\nflags:"));
         for (const Flag& flag : flags()) {
-            const size_t at = list.find(flag.longName() + (flag.optionalValue() ? "[" : flag.isSwitch() ? " " : fmt::format(" {}", flag.argument)));
+            const size_t at = list.find(flag.longName() + (flag.optionalValue() ? "["
+                                                           : flag.isSwitch()    ? " "
+                                                                                : fmt::format(" {}", flag.argument)));
             const bool listed = at != std::string::npos;
             EXPECT_EQ(listed, (flag.commands & row.bit) != 0 && !flag.hidden) << row.name << " " << flag.longName();
         }
@@ -281,7 +304,8 @@ TEST(Progress, CountsAListAsOneWhole) {
         }
     };
     EXPECT_EQ(shownBy(ProgressMode::plain, false, list),
-              "render 1/4: 0 %\nrender 1/4: 10 %, T elapsed\nrender 1/4: 20 %, T elapsed\nrender 2/4: 30 %, T elapsed\nrender 2/4: 50 %, T elapsed\n"
+              "render 1/4: 0 %\nrender 1/4: 10 %, T elapsed\nrender 1/4: 20 %, T elapsed\nrender 2/4: 30 %, T elapsed\nrender 2/4: 50 %, T "
+              "elapsed\n"
               "render 3/4: 60 %, T elapsed\nrender 3/4: 70 %, T elapsed\nrender 4/4: 80 %, T elapsed\nrender 4/4: 100 %, T elapsed\n");
     const std::string json = shownBy(ProgressMode::json, false, list);
     EXPECT_EQ(json.find("\"progress\":1.0000,\"task\":\"render 4/4\""), json.rfind("\"progress\":1.0000"));
@@ -290,10 +314,12 @@ TEST(Progress, CountsAListAsOneWhole) {
 }
 
 TEST(Progress, NeverFalls) {
-    EXPECT_EQ(shownBy(ProgressMode::plain, false, [](Progress& progress) {
-        progress.begin("render");
-        for (const double fraction : {0.5, 0.1, 0.6}) progress.update(fraction);
-    }), "render: 0 %\nrender: 50 %, T elapsed\nrender: 60 %, T elapsed\n");
+    EXPECT_EQ(shownBy(ProgressMode::plain, false,
+                      [](Progress& progress) {
+                          progress.begin("render");
+                          for (const double fraction : {0.5, 0.1, 0.6}) progress.update(fraction);
+                      }),
+              "render: 0 %\nrender: 50 %, T elapsed\nrender: 60 %, T elapsed\n");
 }
 
 TEST(Progress, AStreamThatCannotBeWrittenIsNoFailure) {

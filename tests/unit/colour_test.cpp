@@ -3,11 +3,11 @@
 #include "pipeline/scene/colour.h"
 #include "pipeline/scene/area_light.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
-#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -24,8 +24,7 @@ TEST(Colour, HexCodesComeBackAndNothingElseIsOne) {
         EXPECT_EQ(*back, rgb);
     }
     EXPECT_EQ(rgbOfHex("#FfCc0a"), (Rgb8{255, 204, 10}));
-    for (const char* bad : {"", "#", "ff0000", "#ff000", "#ff00000", "#gg0000", "#ff00 0", "#-10000"})
-        EXPECT_FALSE(rgbOfHex(bad)) << bad;
+    for (const char* bad : {"", "#", "ff0000", "#ff000", "#ff00000", "#gg0000", "#ff00 0", "#-10000"}) EXPECT_FALSE(rgbOfHex(bad)) << bad;
 }
 
 TEST(Colour, TheCodeOfIntensitiesIsClampedAtBothEnds) {  // erratum A14
@@ -37,8 +36,7 @@ TEST(Colour, CmyIsWhatRgbLacks) {
     for (double r = 0; r <= 1; r += 0.125)
         for (double g = 0; g <= 1; g += 0.125)
             EXPECT_EQ(rgbFromCmy(cmyFromRgb(dvec3(r, g, 1 - r))), dvec3(r, g, 1 - r)) << "eighths are exact";
-    EXPECT_EQ(mixed(rgbFromCmy(dvec3(1, 0, 0)), rgbFromCmy(dvec3(0, 0, 1))), dvec3(0, 1, 0))
-        << "cyan and yellow are green";
+    EXPECT_EQ(mixed(rgbFromCmy(dvec3(1, 0, 0)), rgbFromCmy(dvec3(0, 0, 1))), dvec3(0, 1, 0)) << "cyan and yellow are green";
 }
 
 // R -> (1 - R - K) / (1 - K) -> (1 - C) (1 - K): a difference, a quotient, two differences and a product, each within u of 1 at most.

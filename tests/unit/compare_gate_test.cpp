@@ -4,8 +4,8 @@
 #include "host/error.h"
 #include "pipeline/compare/gate.h"
 
-#include <cstdint>
 #include <gtest/gtest.h>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -14,8 +14,7 @@ namespace plumb {
 namespace {
 
 Picture dot(double code, uint32_t x = 2, uint32_t y = 1) {
-    return coded(12, 11, 3,
-                 [=](uint32_t u, uint32_t v, uint32_t c) { return u == x && v == y && c == 1 ? code : 0.0; });
+    return coded(12, 11, 3, [=](uint32_t u, uint32_t v, uint32_t c) { return u == x && v == y && c == 1 ? code : 0.0; });
 }
 
 bool holds(const std::string& text, const Comparison& c) {
@@ -39,11 +38,10 @@ TEST(Gate, IsParsedAsDocumented) {
 }
 
 TEST(Gate, RefusesWhatHasNoMeaning) {
-    for (const char* text :
-         {"",           "max",       "max=2",         "max<=",       "max<=x",   "max<=-1",   "max<=1/0",
-          "max<=nan",   "max<=inf",  "max<=1e999",    "max<=2%",     "max>=2",   "ssim<=0.9", "psnr<=40",
-          "over<=3",    "over()<=3", "over(4/255<=3", "max(3)<=1",   "worst<=1", ".max<=1",   "max<=2/255 or so",
-          "max<=1/2/3", "<=3",       "max<==3",       "differing<=%"}) {
+    for (const char* text : {"",           "max",       "max=2",         "max<=",       "max<=x",   "max<=-1",   "max<=1/0",
+                             "max<=nan",   "max<=inf",  "max<=1e999",    "max<=2%",     "max>=2",   "ssim<=0.9", "psnr<=40",
+                             "over<=3",    "over()<=3", "over(4/255<=3", "max(3)<=1",   "worst<=1", ".max<=1",   "max<=2/255 or so",
+                             "max<=1/2/3", "<=3",       "max<==3",       "differing<=%"}) {
         try {
             parseGate(text);
             ADD_FAILURE() << "'" << text << "' is taken";
@@ -68,11 +66,9 @@ TEST(Gate, HoldsUpToItsLimitAndNotBeyond) {
     EXPECT_TRUE(holds("differing<=1", c));
     EXPECT_FALSE(holds("differing<1", c));
     EXPECT_FALSE(holds("region<=0", c));
-    for (const char* text :
-         {"mean<=0", "rmse<=0", "flip<=0", "flip_max<=0", "deltae<=0", "deltae_max<=0", "psnr>=90", "ssim>=1"})
+    for (const char* text : {"mean<=0", "rmse<=0", "flip<=0", "flip_max<=0", "deltae<=0", "deltae_max<=0", "psnr>=90", "ssim>=1"})
         EXPECT_FALSE(holds(text, c)) << text;
-    for (const char* text :
-         {"mean<=1", "rmse<=1", "flip<=1", "flip_max<=1", "deltae<=1", "deltae_max<=9", "psnr>=30", "ssim>=0.9"})
+    for (const char* text : {"mean<=1", "rmse<=1", "flip<=1", "flip_max<=1", "deltae<=1", "deltae_max<=9", "psnr>=30", "ssim>=0.9"})
         EXPECT_TRUE(holds(text, c)) << text;
     EXPECT_TRUE(holds("psnr>=1000", compare(dot(5), dot(5), {}))) << "infinite when equal";
 }
@@ -103,8 +99,8 @@ TEST(Gate, IsOnThePlanesThatHaveTheMetric) {
     EXPECT_FALSE(judge(one, c)[0].held);
     EXPECT_THROW(judge({parseGate("nothing.max<=1")}, c), Error);
     EXPECT_THROW(judge({parseGate("depth.ssim>=1")}, c), Error);
-    EXPECT_THROW(judge({parseGate("ssim>=0.5")}, compare(coded(5, 5, 1, [](auto...) { return 0.0; }),
-                                                         coded(5, 5, 1, [](auto...) { return 0.0; }), {})),
+    EXPECT_THROW(judge({parseGate("ssim>=0.5")},
+                       compare(coded(5, 5, 1, [](auto...) { return 0.0; }), coded(5, 5, 1, [](auto...) { return 0.0; }), {})),
                  Error)
         << "no window";
 }

@@ -5,10 +5,10 @@
 #include "pipeline/compare/draw.h"
 #include "pipeline/compare/metrics.h"
 
-#include <array>
-#include <cstdint>
 #include <gtest/gtest.h>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 #include <limits>
 #include <numeric>
@@ -52,8 +52,7 @@ TEST(CompareNorms, AreThoseOfOneChannelInTwelve) {
 }
 
 TEST(CompareNorms, EqualPicturesDifferInNothing) {
-    const Picture p =
-        coded(16, 12, 3, [](uint32_t x, uint32_t y, uint32_t c) { return double((x * 31 + y * 17 + c * 7) % 256); });
+    const Picture p = coded(16, 12, 3, [](uint32_t x, uint32_t y, uint32_t c) { return double((x * 31 + y * 17 + c * 7) % 256); });
     const Comparison c = compare(p, p, {});
     EXPECT_TRUE(c.equal());
     const LayerDifference& d = c.layers[0];
@@ -69,10 +68,9 @@ TEST(CompareNorms, EqualPicturesDifferInNothing) {
 }
 
 TEST(CompareNorms, CountPixelsOverEachLevel) {
-    const LayerDifference d = only(
-        dotted(8, 1, {}), dotted(8, 1, {{0, 0, 1}, {1, 0, 2}, {2, 0, 3}, {3, 0, 4}, {4, 0, 5}, {5, 0, 8}, {6, 0, 9}}));
-    EXPECT_EQ(d.over, (std::array<uint64_t, 4>{6, 5, 3, 1}))
-        << "over 1, 2, 4 and 8 of 255; exactly that many levels is not over";
+    const LayerDifference d =
+        only(dotted(8, 1, {}), dotted(8, 1, {{0, 0, 1}, {1, 0, 2}, {2, 0, 3}, {3, 0, 4}, {4, 0, 5}, {5, 0, 8}, {6, 0, 9}}));
+    EXPECT_EQ(d.over, (std::array<uint64_t, 4>{6, 5, 3, 1})) << "over 1, 2, 4 and 8 of 255; exactly that many levels is not over";
     EXPECT_EQ(d.max, 9 / 255.0);
     EXPECT_EQ(d.maxAt.x, 6u);
 }
@@ -104,8 +102,8 @@ TEST(CompareNorms, ConnectTheRegionBySidesAndCorners) {
     //  # . . # #
     //  . # . . #      three pixels at the left, four at the right
     //  . . # . #      the diagonal is one region
-    const LayerDifference d = only(
-        dotted(6, 3, {}), dotted(6, 3, {{0, 0, 9}, {1, 1, 9}, {2, 2, 9}, {4, 0, 9}, {5, 0, 9}, {5, 1, 9}, {5, 2, 9}}));
+    const LayerDifference d =
+        only(dotted(6, 3, {}), dotted(6, 3, {{0, 0, 9}, {1, 1, 9}, {2, 2, 9}, {4, 0, 9}, {5, 0, 9}, {5, 1, 9}, {5, 2, 9}}));
     EXPECT_EQ(d.differing, 7u);
     EXPECT_EQ(d.region.pixels, 4u);
     EXPECT_EQ(d.region.least.x, 4u);
@@ -116,8 +114,7 @@ TEST(CompareNorms, ConnectTheRegionBySidesAndCorners) {
 
 TEST(CompareRadius, FindsAShiftedPictureAndNothingMore) {
     const auto bar = [](uint32_t shift) {
-        return coded(24, 12, 3,
-                     [=](uint32_t x, uint32_t, uint32_t) { return x + shift >= 10 && x + shift < 14 ? 200.0 : 0.0; });
+        return coded(24, 12, 3, [=](uint32_t x, uint32_t, uint32_t) { return x + shift >= 10 && x + shift < 14 ? 200.0 : 0.0; });
     };
     CompareOptions options;
     EXPECT_GT(only(bar(0), bar(2), options).differing, 0u);
@@ -170,25 +167,22 @@ TEST(CompareInfinity, IsEqualToItselfOnly) {
 TEST(CompareUlp, CountsRepresentableNumbers) {
     EXPECT_EQ(ulpDistance(1.0, double(std::nextafter(1.0f, 2.0f)), 32), 1);
     EXPECT_EQ(ulpDistance(0.0, -0.0, 32), 0);
-    EXPECT_EQ(ulpDistance(double(std::numeric_limits<float>::denorm_min()),
-                          -double(std::numeric_limits<float>::denorm_min()), 32),
-              2)
+    EXPECT_EQ(ulpDistance(double(std::numeric_limits<float>::denorm_min()), -double(std::numeric_limits<float>::denorm_min()), 32), 2)
         << "across both zeros, which are one";
     EXPECT_EQ(ulpDistance(1.0, 2.0, 32), 0x1p23);
     EXPECT_EQ(ulpDistance(1.0, 2.0, 64), 0x1p52);
     EXPECT_EQ(ulpDistance(1.0, 2.0, 16), 0x1p10);
     EXPECT_EQ(ulpDistance(kInf, double(std::numeric_limits<float>::max()), 32), 1);
     EXPECT_EQ(ulpDistance(1.0, std::nextafter(1.0, 2.0), 64), 1);
-    const LayerDifference d = only(plane(2, 2, {1, 2, 3, 4}),
-                                   plane(2, 2, {1, 2, double(std::nextafter(std::nextafter(3.0f, 4.0f), 4.0f)), 4}));
+    const LayerDifference d =
+        only(plane(2, 2, {1, 2, 3, 4}), plane(2, 2, {1, 2, double(std::nextafter(std::nextafter(3.0f, 4.0f), 4.0f)), 4}));
     EXPECT_EQ(d.ulp, 2);
     EXPECT_EQ(d.ulpAt.y, 1u);
     EXPECT_EQ(d.ulpPrecision, 32);
 }
 
 TEST(CompareIds, AreEqualOrNot) {
-    const LayerDifference d =
-        only(plane(2, 1, {7, 4294967295.0}, 32, LayerKind::id), plane(2, 1, {7, 3}, 32, LayerKind::id));
+    const LayerDifference d = only(plane(2, 1, {7, 4294967295.0}, 32, LayerKind::id), plane(2, 1, {7, 3}, 32, LayerKind::id));
     EXPECT_EQ(d.differing, 1u);
     EXPECT_EQ(d.firstDiffering->x, 1u);
     EXPECT_FALSE(d.max) << "a distance of names means nothing";
@@ -205,14 +199,12 @@ TEST(CompareSsim, OfUniformPicturesIsThatOfTheirMeans) {
 TEST(CompareSsim, OfOneWindowIsItsFormula) {
     // 11x11: one window. A is a dot of 1 in the middle of 0, B its negative, whose covariance is minus A's variance.
     const auto dot = [](bool negative) {
-        return coded(11, 11, 1,
-                     [=](uint32_t x, uint32_t y, uint32_t) { return ((x == 5 && y == 5) != negative) ? 255.0 : 0.0; });
+        return coded(11, 11, 1, [=](uint32_t x, uint32_t y, uint32_t) { return ((x == 5 && y == 5) != negative) ? 255.0 : 0.0; });
     };
     double sum = 0;
     for (int i = -5; i <= 5; ++i) sum += std::exp(-i * i / 4.5);
     const double w = 1 / (sum * sum), variance = w - w * w, c1 = 1e-4, c2 = 9e-4;
-    const double want =
-        (2 * w * (1 - w) + c1) * (-2 * variance + c2) / ((w * w + (1 - w) * (1 - w) + c1) * (2 * variance + c2));
+    const double want = (2 * w * (1 - w) + c1) * (-2 * variance + c2) / ((w * w + (1 - w) * (1 - w) + c1) * (2 * variance + c2));
     EXPECT_NEAR(only(dot(false), dot(true)).ssim->mean, want, kRounding);
 }
 
@@ -227,18 +219,15 @@ TEST(CompareFlip, OfGreenAndBlueIsOne) {
 TEST(CompareFlip, OfBlackAndWhiteIsItsFormula) {
     // Lightness differs by 100 and chroma by nothing. Green and blue in Hunt-adjusted L*a*b*, worked out here from their XYZ over the white.
     const auto f = [](long double t) { return std::cbrt(t); };
-    const long double xg = 8788810.0L / 24577794, xb = 4435075.0L / 24577794,
-                      xw = (10135552.0L + 8788810 + 4435075) / 24577794;
-    const long double yg = 8788810.0L / 12288897, yb = 887015.0L / 12288897, zg = 8788810.0L / 73733382,
-                      zb = 70074185.0L / 73733382;
+    const long double xg = 8788810.0L / 24577794, xb = 4435075.0L / 24577794, xw = (10135552.0L + 8788810 + 4435075) / 24577794;
+    const long double yg = 8788810.0L / 12288897, yb = 887015.0L / 12288897, zg = 8788810.0L / 73733382, zb = 70074185.0L / 73733382;
     const long double zw = (1425312.0L + 8788810 + 70074185) / 73733382;
     const long double lg = 116 * f(yg) - 16, lb = 116 * f(yb) - 16;
-    const long double ag = lg * 5 * (f(xg / xw) - f(yg)), bg = lg * 2 * (f(yg) - f(zg / zw)),
-                      ab = lb * 5 * (f(xb / xw) - f(yb)), bb = lb * 2 * (f(yb) - f(zb / zw));
+    const long double ag = lg * 5 * (f(xg / xw) - f(yg)), bg = lg * 2 * (f(yg) - f(zg / zw)), ab = lb * 5 * (f(xb / xw) - f(yb)),
+                      bb = lb * 2 * (f(yb) - f(zb / zw));
     const long double most = std::pow(lg - lb + std::hypot(ag - ab, bg - bb), 0.7L), knee = 0.4L * most;
     const long double want = 0.95L + (std::pow(100.0L, 0.7L) - knee) / (most - knee) * 0.05L;
-    EXPECT_NEAR(only(uniform(24, 24, {0, 0, 0}), uniform(24, 24, {255, 255, 255})).flip->mean, double(want),
-                kFeatureRounding);
+    EXPECT_NEAR(only(uniform(24, 24, {0, 0, 0}), uniform(24, 24, {255, 255, 255})).flip->mean, double(want), kFeatureRounding);
 }
 
 TEST(CompareFlip, AMissingDotCountsMoreThanItsColour) {
@@ -349,8 +338,7 @@ TEST(ComparePictures, AMissingPlaneIsADifference) {
     EXPECT_TRUE(compare(a, b, options).equal());
     options.layers = {"nothing"};
     EXPECT_THROW(compare(a, b, options), Error);
-    EXPECT_THROW(compare(a, uniform(2, 2, {0, 0, 0}), {}).equal() ? 0 : throw renderError("planes differ by name"),
-                 Error);
+    EXPECT_THROW(compare(a, uniform(2, 2, {0, 0, 0}), {}).equal() ? 0 : throw renderError("planes differ by name"), Error);
 }
 
 TEST(ComparePictures, ThreadsChangeNoBit) {

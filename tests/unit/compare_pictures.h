@@ -13,8 +13,7 @@
 namespace plumb {
 
 // One colour layer of 8-bit codes; `code(x, y, channel)`.
-inline Picture coded(uint32_t width, uint32_t height, uint32_t channels,
-                     const std::function<double(uint32_t, uint32_t, uint32_t)>& code) {
+inline Picture coded(uint32_t width, uint32_t height, uint32_t channels, const std::function<double(uint32_t, uint32_t, uint32_t)>& code) {
     Picture picture;
     picture.path = "made in memory";
     picture.format = "png";
@@ -38,8 +37,7 @@ inline Picture uniform(uint32_t width, uint32_t height, std::array<double, 3> rg
 }
 
 // One plane of floats, not a colour.
-inline Picture plane(uint32_t width, uint32_t height, std::vector<double> samples, int precision = 32,
-                     LayerKind kind = LayerKind::real) {
+inline Picture plane(uint32_t width, uint32_t height, std::vector<double> samples, int precision = 32, LayerKind kind = LayerKind::real) {
     Picture picture;
     picture.path = "made in memory";
     picture.format = "npy";

@@ -11,24 +11,24 @@
 #include <ImfOutputFile.h>
 #include <ImfPartType.h>
 #include <ImfTiledOutputFile.h>
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <filesystem>
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <half.h>
 #include <png.h>
-#include <string>
-#include <utility>
-#include <vector>
 #include <zlib.h>
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <new>
+#include <string>
+#include <utility>
+#include <vector>
 
 // The largest piece of memory that was asked for, so that a header's word is seen when it is believed.
 static std::atomic<size_t> largestAllocation{0};
@@ -99,8 +99,7 @@ Frame small() {
 
 std::string npy(const std::string& header, const std::string& data, char version = 1) {
     std::string text = header + std::string((64 - (10 + header.size() + 1) % 64) % 64, ' ') + "\n";
-    std::string prefix =
-        std::string("\x93NUMPY") + version + std::string(1, '\0') + char(text.size() & 0xff) + char(text.size() >> 8);
+    std::string prefix = std::string("\x93NUMPY") + version + std::string(1, '\0') + char(text.size() & 0xff) + char(text.size() >> 8);
     if (version > 1) prefix += std::string(2, '\0');
     return prefix + text + data;
 }
@@ -118,12 +117,9 @@ std::string pngOf(uint32_t width, uint32_t height, const PngKind& kind) {
     png_infop info = png_create_info_struct(png);
     png_set_write_fn(
         png, &bytes,
-        [](png_structp p, png_bytep d, size_t n) {
-            static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<char*>(d), n);
-        },
+        [](png_structp p, png_bytep d, size_t n) { static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<char*>(d), n); },
         nullptr);
-    png_set_IHDR(png, info, width, height, kind.bits, kind.type, kind.interlace, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, width, height, kind.bits, kind.type, kind.interlace, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     const png_color palette[2] = {{10, 20, 30}, {200, 100, 50}};
     if (kind.type == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, 2);
     png_write_info(png, info);
@@ -152,8 +148,7 @@ TEST_F(CompareRead, ReadsWhatTheCommandWrites) {
     EXPECT_EQ(wide.layers[0].fullScale, 65535);
     EXPECT_TRUE(wide.layers[0].linear) << "gAMA 1.0 without sRGB";
 
-    const Picture exr =
-        readPicture(write("a.exr", encodeExr(f, kPlaneLinear | kPlaneDepth | kPlaneNormal | kPlaneObject, {})));
+    const Picture exr = readPicture(write("a.exr", encodeExr(f, kPlaneLinear | kPlaneDepth | kPlaneNormal | kPlaneObject, {})));
     ASSERT_EQ(exr.layers.size(), 4u);
     EXPECT_EQ(exr.layers[0].name, "color");
     for (const Layer& layer : exr.layers) {
@@ -182,12 +177,7 @@ TEST_F(CompareRead, ReadsEveryKindOfPng) {
         {4, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, S("\x3f\x00", 2), 1, {51}},
         {8, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_INTERLACE_ADAM7, S("\x07\x80\x01\x02\x03\x04", 6), 2, {7, 128}},
         {8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_ADAM7, S("\x07\x08\x09\x01\x02\x03\x04\x05\x06", 9), 3, {7, 8, 9}},
-        {16,
-         PNG_COLOR_TYPE_RGB,
-         PNG_INTERLACE_ADAM7,
-         S("\x01\x02\x03\x04\x05\x06\0\0\0\0\0\0\0\0\0\0\0\0", 18),
-         3,
-         {258, 772, 1286}},
+        {16, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_ADAM7, S("\x01\x02\x03\x04\x05\x06\0\0\0\0\0\0\0\0\0\0\0\0", 18), 3, {258, 772, 1286}},
         {16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, S("\xff\xfe\0\0\0\0", 6), 1, {65534}},
         {1, PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE, S("\x80", 1), 3, {200, 100, 50}},
     };
@@ -196,8 +186,7 @@ TEST_F(CompareRead, ReadsEveryKindOfPng) {
         SCOPED_TRACE(fmt::format("{} bits, type {}", kind.bits, kind.type));
         EXPECT_EQ(p.layers[0].channels, kind.channels);
         EXPECT_EQ(p.layers[0].samples.size(), 6 * kind.channels);
-        EXPECT_EQ(std::vector<double>(p.layers[0].samples.begin(), p.layers[0].samples.begin() + kind.channels),
-                  kind.first);
+        EXPECT_EQ(std::vector<double>(p.layers[0].samples.begin(), p.layers[0].samples.begin() + kind.channels), kind.first);
         EXPECT_EQ(p.layers[0].samples[3 * size_t(kind.channels)], kind.first[0]) << "the second row is as the first";
     }
 }
@@ -239,18 +228,15 @@ TEST_F(CompareRead, ReadsHalfTilesAndNegativeWindows) {
 TEST_F(CompareRead, ReadsArraysAsNumpyWritesThem) {
     const auto samples = [&](const std::string& bytes) { return readPicture(write("n.npy", bytes)).layers[0].samples; };
     const std::string tail = ", 'fortran_order': False, 'shape': (1, 2), }";
-    EXPECT_EQ(samples(npy("{'descr': '>f4'" + tail, std::string("\x3f\x80\0\0\xc0\0\0\0", 8))),
-              (std::vector<double>{1, -2}));
+    EXPECT_EQ(samples(npy("{'descr': '>f4'" + tail, std::string("\x3f\x80\0\0\xc0\0\0\0", 8))), (std::vector<double>{1, -2}));
     EXPECT_EQ(samples(npy("{'descr': '<f2'" + tail, std::string("\0\x3c\0\xc0", 4))), (std::vector<double>{1, -2}));
     EXPECT_EQ(samples(npy("{'descr': '|b1'" + tail, std::string("\1\0", 2))), (std::vector<double>{1, 0}));
     EXPECT_EQ(samples(npy("{'descr': '<i2'" + tail, std::string("\xff\xff\2\0", 4))), (std::vector<double>{-1, 2}));
-    EXPECT_EQ(
-        samples(npy("{'descr': '<i8'" + tail, std::string("\xff\xff\xff\xff\xff\xff\xff\xff\2\0\0\0\0\0\0\0", 16), 2)),
-        (std::vector<double>{-1, 2}))
+    EXPECT_EQ(samples(npy("{'descr': '<i8'" + tail, std::string("\xff\xff\xff\xff\xff\xff\xff\xff\2\0\0\0\0\0\0\0", 16), 2)),
+              (std::vector<double>{-1, 2}))
         << "version 2";
-    EXPECT_EQ(
-        samples(npy("{'descr': '|u1', 'fortran_order': True, 'shape': (2, 3), }", std::string("\1\4\2\5\3\6", 6))),
-        (std::vector<double>{1, 2, 3, 4, 5, 6}));
+    EXPECT_EQ(samples(npy("{'descr': '|u1', 'fortran_order': True, 'shape': (2, 3), }", std::string("\1\4\2\5\3\6", 6))),
+              (std::vector<double>{1, 2, 3, 4, 5, 6}));
 }
 
 TEST_F(CompareRead, RefusesArraysWithoutMeaning) {
@@ -259,30 +245,22 @@ TEST_F(CompareRead, RefusesArraysWithoutMeaning) {
     };
     EXPECT_NE(why("{'descr': '|O', 'fortran_order': False, 'shape': (2, 4), }").find("'|O'"), std::string::npos);
     EXPECT_NE(why("{'descr': '<c8', 'fortran_order': False, 'shape': (1, 1), }").find("'<c8'"), std::string::npos);
-    EXPECT_NE(why("{'descr': [('a', '<f4')], 'fortran_order': False, 'shape': (2,), }").find("structured"),
-              std::string::npos);
+    EXPECT_NE(why("{'descr': [('a', '<f4')], 'fortran_order': False, 'shape': (2,), }").find("structured"), std::string::npos);
     EXPECT_NE(why("{'descr': '<f4', 'fortran_order': False, 'shape': (2,), }").find("shape"), std::string::npos);
     EXPECT_NE(why("{'descr': '<f4', 'fortran_order': False, 'shape': (0, 2), }").find("empty"), std::string::npos);
-    EXPECT_NE(
-        why("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2), }").find("8 bytes of data; the header says 16"),
-        std::string::npos);
-    EXPECT_NE(
-        why("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1), }").find("8 bytes of data; the header says 4"),
-        std::string::npos);
-    EXPECT_NE(why("{'descr': '<f4', 'fortran_order': False, 'shape': (65536, 65536, 64), }").find("2^27"),
+    EXPECT_NE(why("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2), }").find("8 bytes of data; the header says 16"),
               std::string::npos);
-    EXPECT_NE(why("{'descr': '<f4', 'fortran_order': False, 'shape': (18446744073709551615, 2), }").find("65536"),
+    EXPECT_NE(why("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1), }").find("8 bytes of data; the header says 4"),
               std::string::npos);
-    EXPECT_NE(
-        why("{'descr': '<f4', 'fortran_order': False, 'shape': (99999999999999999999, 2), }").find("whole number"),
-        std::string::npos);
-    EXPECT_NE(why("{'descr': '<f4', 'fortran_order': __import__('os'), 'shape': (1, 2), }").find("True or False"),
+    EXPECT_NE(why("{'descr': '<f4', 'fortran_order': False, 'shape': (65536, 65536, 64), }").find("2^27"), std::string::npos);
+    EXPECT_NE(why("{'descr': '<f4', 'fortran_order': False, 'shape': (18446744073709551615, 2), }").find("65536"), std::string::npos);
+    EXPECT_NE(why("{'descr': '<f4', 'fortran_order': False, 'shape': (99999999999999999999, 2), }").find("whole number"),
               std::string::npos);
+    EXPECT_NE(why("{'descr': '<f4', 'fortran_order': __import__('os'), 'shape': (1, 2), }").find("True or False"), std::string::npos);
     EXPECT_NE(why("{'descr': '<f4', 'shape': (1, 2), }").find("missing"), std::string::npos);
-    EXPECT_NE(refusal(write("n.npy",
-                            npy("{'descr': '<u8', 'fortran_order': False, 'shape': (1, 1), }", std::string(8, '\xff'))))
-                  .find("2^53"),
-              std::string::npos);
+    EXPECT_NE(
+        refusal(write("n.npy", npy("{'descr': '<u8', 'fortran_order': False, 'shape': (1, 1), }", std::string(8, '\xff')))).find("2^53"),
+        std::string::npos);
 }
 
 TEST_F(CompareRead, RefusesWhatIsNoPicture) {
@@ -291,8 +269,7 @@ TEST_F(CompareRead, RefusesWhatIsNoPicture) {
     EXPECT_NE(refusal(at("missing.png")), "");
     EXPECT_NE(refusal(at("")), "") << "a folder";
     EXPECT_NE(refusal("/dev/zero"), "");
-    EXPECT_NE(refusal(write("evil\x1b[2J.png", std::string("x"))).find("\\x1b"), std::string::npos)
-        << "no escape reaches the terminal";
+    EXPECT_NE(refusal(write("evil\x1b[2J.png", std::string("x"))).find("\\x1b"), std::string::npos) << "no escape reaches the terminal";
 }
 
 TEST_F(CompareRead, RefusesPartsDepthAndSubsampling) {
@@ -314,8 +291,7 @@ TEST_F(CompareRead, RefusesPartsDepthAndSubsampling) {
         Imf::OutputFile file(at("sub.exr").c_str(), header, 0);
         Imf::FrameBuffer buffer;
         buffer.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(values.data())), 4, 32));
-        buffer.insert("RY",
-                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(values.data())), 4, 16, 2, 2));
+        buffer.insert("RY", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(values.data())), 4, 16, 2, 2));
         file.setFrameBuffer(buffer);
         file.writePixels(8);
     }
@@ -334,8 +310,7 @@ TEST_F(CompareRead, RefusesEveryTruncation) {
                                       {"t.npy", encodeNpy(f, kPlaneDepth)}}) {
         const Picture whole = readPicture(write(name, bytes));
         for (size_t cut = 0; cut < bytes.size(); ++cut, ++all)
-            refused +=
-                !refusal(write(name, std::vector<std::byte>(bytes.begin(), bytes.begin() + ptrdiff_t(cut)))).empty();
+            refused += !refusal(write(name, std::vector<std::byte>(bytes.begin(), bytes.begin() + ptrdiff_t(cut)))).empty();
     }
     EXPECT_EQ(refused, all);
 }
@@ -361,8 +336,7 @@ TEST_F(CompareRead, TakesNoMemoryForWhatAHeaderSays) {
     std::string png = pngOf(3, 2, {8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, std::string(9, 'x'), 3, {}});
     const auto resized = [&](uint32_t width, uint32_t height) {
         std::string p = png;
-        for (int i = 0; i < 4; ++i)
-            p[16 + size_t(i)] = char(width >> (24 - 8 * i)), p[20 + size_t(i)] = char(height >> (24 - 8 * i));
+        for (int i = 0; i < 4; ++i) p[16 + size_t(i)] = char(width >> (24 - 8 * i)), p[20 + size_t(i)] = char(height >> (24 - 8 * i));
         const uint32_t crc = uint32_t(::crc32(0, reinterpret_cast<const unsigned char*>(p.data()) + 12, 17));
         for (int i = 0; i < 4; ++i) p[29 + size_t(i)] = char(crc >> (24 - 8 * i));
         return p;
@@ -394,9 +368,9 @@ TEST_F(CompareRead, TakesNoMemoryForWhatAHeaderSays) {
     EXPECT_NE(modest(write("h.exr", boxed(-2, 5))).find("empty"), std::string::npos);
     EXPECT_NE(modest(write("h.exr", boxed(std::numeric_limits<int32_t>::max(), 1))).find("2^24"), std::string::npos);
     EXPECT_NE(modest(write("h.exr", boxed(70000, 1))).find("65536"), std::string::npos);
-    EXPECT_NE(modest(write("h.npy", npy("{'descr': '<f4', 'fortran_order': False, 'shape': (10000, 10000), }", "x")))
-                  .find("1 bytes of data"),
-              std::string::npos);
+    EXPECT_NE(
+        modest(write("h.npy", npy("{'descr': '<f4', 'fortran_order': False, 'shape': (10000, 10000), }", "x"))).find("1 bytes of data"),
+        std::string::npos);
 }
 
 }  // namespace

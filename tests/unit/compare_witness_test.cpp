@@ -2,10 +2,10 @@
 // The committed pairs against what other programs said about them (tests/data/compare/make_witness.py).
 #include "pipeline/compare/compare.h"
 
-#include <cmath>
-#include <cstddef>
 #include <fmt/core.h>
 #include <gtest/gtest.h>
+#include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -25,8 +25,7 @@ TEST(CompareWitness, AgreesWithOtherPrograms) {
     size_t flips = 0;
     for (const auto& [name, want] : witness.at("pairs").items()) {
         SCOPED_TRACE(name);
-        const LayerDifference d =
-            compare(readPicture(folder + name + "_a.png"), readPicture(folder + name + "_b.png"), {}).layers.at(0);
+        const LayerDifference d = compare(readPicture(folder + name + "_a.png"), readPicture(folder + name + "_b.png"), {}).layers.at(0);
         EXPECT_NEAR(*d.psnr, want.at("psnr"), kExact);
         EXPECT_NEAR(*d.mean, want.at("mean"), kExact);
         EXPECT_NEAR(*d.rmse, want.at("rmse"), kExact);
@@ -35,10 +34,8 @@ TEST(CompareWitness, AgreesWithOtherPrograms) {
         EXPECT_NEAR(d.ssim->mean, want.at("ssim"), kPerceived);
         EXPECT_NEAR(d.deltaE->mean, want.at("deltae_mean"), kPerceived);
         EXPECT_NEAR(d.deltaE->worst, want.at("deltae_max"), kPerceived);
-        fmt::print("{}: psnr {:.2g}, ssim {:.2g}, deltae {:.2g}", name,
-                   std::abs(*d.psnr - want.at("psnr").get<double>()),
-                   std::abs(d.ssim->mean - want.at("ssim").get<double>()),
-                   std::abs(d.deltaE->mean - want.at("deltae_mean").get<double>()));
+        fmt::print("{}: psnr {:.2g}, ssim {:.2g}, deltae {:.2g}", name, std::abs(*d.psnr - want.at("psnr").get<double>()),
+                   std::abs(d.ssim->mean - want.at("ssim").get<double>()), std::abs(d.deltaE->mean - want.at("deltae_mean").get<double>()));
         if (want.contains("flip")) {
             ++flips;
             EXPECT_NEAR(d.flip->mean, want.at("flip").at("mean"), kPerceived);

@@ -6,10 +6,10 @@
 #include "shared/shade.h"
 #include "shared/vectors.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <gtest/gtest.h>
 #include <vector>
 
 namespace plumb::gpu {
@@ -142,7 +142,7 @@ TEST(RowTimesBlock, IsExactBeforeItIsRounded) {
 
 TEST(SnapCoarsely, GoesToTheNearestSixteenthTiesToEven) {
     for (int k = -500; k <= 500; ++k) {
-        const float pixels = float(k) / 512.0f;   // ties of 1/256 px, and every sixteenth one of 1/16 px
+        const float pixels = float(k) / 512.0f;  // ties of 1/256 px, and every sixteenth one of 1/16 px
         EXPECT_EQ(snapCoarsely(pixels, 100.0f, 4u), int(std::nearbyint(double(pixels) * 16)) * 16) << k;
         EXPECT_EQ(snapCoarsely(pixels, 100.0f, 0u), snapToSubpixel(pixels, 100.0f)) << k;
     }
@@ -158,7 +158,7 @@ TEST(SchlickPower, LiesAbovePowerByAtMostItsExcess) {
             const float delta = float(t / n);
             if (!(delta < 1)) break;
             const float x = 1.0f - delta;
-            if (double(x) + double(delta) != 1) continue;   // x is rounded: another argument
+            if (double(x) + double(delta) != 1) continue;  // x is rounded: another argument
             const double excess = double(schlickPower(delta, float(n), 0.0f)) - std::pow(1 - double(delta), double(float(n)));
             ASSERT_GE(excess, -kRounding) << n << ' ' << delta;
             ASSERT_LE(excess, double(kSchlickExcess) + kRounding) << n << ' ' << delta;
@@ -216,7 +216,8 @@ TEST(NativePower, BoundHoldsForEveryPowerThatVulkanAllows) {
                 const double native = std::exp2(p) * (1 + sign * (3 + 2 * std::abs(p)) * 0x1p-23);
                 most = std::max({most, std::abs(native - truth), std::abs(native - double(specularPower(delta, power, 0.0f)))});
             }
-            EXPECT_LE(std::abs(double(nativePower(delta, power, 0.0f)) - double(specularPower(delta, power, 0.0f))), bound) << n << ' ' << delta;
+            EXPECT_LE(std::abs(double(nativePower(delta, power, 0.0f)) - double(specularPower(delta, power, 0.0f))), bound)
+                << n << ' ' << delta;
         }
         EXPECT_LE(most, bound) << n;
         EXPECT_GT(most, bound / 8) << n << ": the bound is not an empty one";

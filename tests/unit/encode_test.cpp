@@ -6,13 +6,13 @@
 #include "shaders/shared/shade.h"
 #include "shaders/shared/transform.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <gtest/gtest.h>
 #include <ios>
 #include <limits>
 #include <random>
@@ -130,7 +130,7 @@ int linearCodeOf(float x) {
     if (x >= 1) return 255;
     const uint32_t bits = std::bit_cast<uint32_t>(x);
     const int exponent = std::max(1, int(bits >> 23)) - 150;  // x = significand 2^exponent, exponent <= -24
-    if (exponent < -24 - 12) return 0;                         // 255 x below 1/8
+    if (exponent < -24 - 12) return 0;                        // 255 x below 1/8
     const uint64_t product = 255 * uint64_t((bits & 0x7fffffu) | 0x800000u);
     const auto halfToEven = [](uint64_t value, int drop) {
         const uint64_t whole = value >> drop, rest = value & ((uint64_t(1) << drop) - 1), half = uint64_t(1) << (drop - 1);

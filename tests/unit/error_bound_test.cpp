@@ -60,7 +60,8 @@ Case caseOf(uint32_t seed, double most = 1.2) {
         const double value = double(k.base.linear[i]), end = up ? value + k.brighter[c] : value - k.darker[c];
         k.moved.linear[i] = float(end);
         // float32 rounds the end; the moved colour stays within it.
-        if (up ? double(k.moved.linear[i]) > end : double(k.moved.linear[i]) < end) k.moved.linear[i] = std::nextafter(k.moved.linear[i], k.base.linear[i]);
+        if (up ? double(k.moved.linear[i]) > end : double(k.moved.linear[i]) < end)
+            k.moved.linear[i] = std::nextafter(k.moved.linear[i], k.base.linear[i]);
     }
     encode(k.base);
     encode(k.moved);
@@ -175,20 +176,24 @@ TEST(ErrorBound, IsNoNumberWhereAnyCodeMayBeLeft) {
 
 TEST(ErrorBound, CountsAlphaAndStepsAndNothingThatIsNotShown) {
     Case k = caseOf(13);
-    for (size_t at = 0; at < kPixels; ++at) k.truth.alpha[at] = k.truth.alpha[at] > 0 ? 0.25 : 0, k.base.rgba[at] = (k.base.rgba[at] & 0xffffffu) | (k.base.object[at] == kNone ? 0 : 0xff000000u);
+    for (size_t at = 0; at < kPixels; ++at)
+        k.truth.alpha[at] = k.truth.alpha[at] > 0 ? 0.25 : 0,
+        k.base.rgba[at] = (k.base.rgba[at] & 0xffffffu) | (k.base.object[at] == kNone ? 0 : 0xff000000u);
     k.moved.rgba = k.base.rgba;
     k.moved.linear = k.base.linear;
     const ErrorBound still = errorBoundOf(k.base, k.truth, true, {glm::dvec3(0), glm::dvec3(0)}, 0);
     EXPECT_FALSE(breachOf(k.error(true), still, kWidth));
     EXPECT_NEAR(still.max, 255 * 0.75, 1);
-    EXPECT_TRUE(breachOf(k.error(true), errorBoundOf(k.base, k.truth, false, {glm::dvec3(0), glm::dvec3(0)}, 0), kWidth)) << "alpha left out";
+    EXPECT_TRUE(breachOf(k.error(true), errorBoundOf(k.base, k.truth, false, {glm::dvec3(0), glm::dvec3(0)}, 0), kWidth))
+        << "alpha left out";
     for (size_t at = 0; at < kPixels; ++at) EXPECT_EQ(still.perPixel[at] > 0, k.base.object[at] != kNone);
     // A code beside the right one.
     Case beside = caseOf(15);
     beside.moved = beside.base;
     for (uint32_t& word : beside.moved.rgba) word = (word & 0xff) < 255 ? word + 1 : word;
     EXPECT_FALSE(breachOf(beside.error(), errorBoundOf(beside.base, beside.truth, false, {glm::dvec3(0), glm::dvec3(0)}, 1), kWidth));
-    EXPECT_TRUE(breachOf(beside.error(), errorBoundOf(beside.base, beside.truth, false, {glm::dvec3(0), glm::dvec3(0)}, 0), kWidth)) << "no steps";
+    EXPECT_TRUE(breachOf(beside.error(), errorBoundOf(beside.base, beside.truth, false, {glm::dvec3(0), glm::dvec3(0)}, 0), kWidth))
+        << "no steps";
 }
 
 }  // namespace

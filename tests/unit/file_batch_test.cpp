@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Files that are there together or not at all, while the calls of the system fail: this program has its own open, fsync, linkat and renameat2.
-#include "host/error.h"
 #include "pipeline/image/file_batch.h"
+#include "host/error.h"
 #include "pipeline/image/image.h"
 
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -12,33 +20,25 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <fcntl.h>
 #include <filesystem>
-#include <fmt/core.h>
 #include <fstream>
-#include <gtest/gtest.h>
 #include <iterator>
 #include <memory>
 #include <set>
 #include <span>
 #include <string>
-#include <sys/resource.h>
-#include <sys/stat.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
 namespace {
 
 struct Faults {
-    bool noNameless = false;      // O_TMPFILE is not supported
-    bool noExchange = false;      // RENAME_EXCHANGE is not supported
-    bool noNoReplace = false;     // nor RENAME_NOREPLACE
-    bool interrupts = false;      // each call is interrupted once before it is made
+    bool noNameless = false;                     // O_TMPFILE is not supported
+    bool noExchange = false;                     // RENAME_EXCHANGE is not supported
+    bool noNoReplace = false;                    // nor RENAME_NOREPLACE
+    bool interrupts = false;                     // each call is interrupted once before it is made
     int fileSync = 0, folderSync = 0, name = 0;  // errno of the n-th such call from now on
-    int after = 0;                // calls that still succeed
+    int after = 0;                               // calls that still succeed
 };
 Faults faults;
 struct Counts {
@@ -77,7 +77,7 @@ int open(const char* path, int flags, ...) {
 
 int fsync(int fd) {
     if (interrupted()) return refuse(EINTR);
-    struct stat st{};
+    struct stat st {};
     ::fstat(fd, &st);
     const bool folder = S_ISDIR(st.st_mode);
     ++(folder ? counts.folderSyncs : counts.fileSyncs);
@@ -134,7 +134,9 @@ protected:
             if (!entry.is_directory()) names.insert(fs::relative(entry.path(), folder_).string());
         return names;
     }
-    void add(FileBatch& batch, const std::string& name, const std::string& text, bool noClobber = false) { batch.add(at(name), bytesOf(text), noClobber); }
+    void add(FileBatch& batch, const std::string& name, const std::string& text, bool noClobber = false) {
+        batch.add(at(name), bytesOf(text), noClobber);
+    }
     template <class Call>
     static Exit exitOf(const Call& call) {
         try {
@@ -149,7 +151,11 @@ protected:
 };
 
 // The ways in which a file system may lack what is used where it is there.
-constexpr Faults kWays[] = {{}, {.noNameless = true}, {.noExchange = true}, {.noNameless = true, .noExchange = true}, {.noNameless = true, .noExchange = true, .noNoReplace = true}};
+constexpr Faults kWays[] = {{},
+                            {.noNameless = true},
+                            {.noExchange = true},
+                            {.noNameless = true, .noExchange = true},
+                            {.noNameless = true, .noExchange = true, .noNoReplace = true}};
 
 TEST_F(FileBatches, AreThereTogetherOnEveryFileSystem) {
     for (const Faults& way : kWays)
@@ -174,7 +180,7 @@ TEST_F(FileBatches, AreThereTogetherOnEveryFileSystem) {
             }
             EXPECT_EQ(files(), (std::set<std::string>{"a", "old", "other/b"}));
             EXPECT_EQ(read("old") + read("a") + read("other/b"), "afterthirdsecond");
-            struct stat st{};
+            struct stat st {};
             ::stat(at("old").c_str(), &st);
             EXPECT_EQ(st.st_mode & 0777, 0640u);
             for (const char* name : {"a", "old", "other/b"}) fs::remove(at(name));

@@ -3,9 +3,9 @@
 
 #include "pipeline/transform/matrix.h"
 
+#include <gtest/gtest.h>
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 #include <random>
 
 namespace plumb {
@@ -38,7 +38,9 @@ TEST(Flattened, WhatHasNoAreaIsFound) {
     TriangleMesh mesh;
     mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 0, 2}, {0, 1, 0}};
     mesh.triangles = {{{0, 1, 2}, 0}};
-    const auto scaled = [](double x, double y, double z) { return rotationX(33) * dmat4(x, 0, 0, 0, 0, y, 0, 0, 0, 0, z, 0, 0, 0, 0, 1) * rotationY(12); };
+    const auto scaled = [](double x, double y, double z) {
+        return rotationX(33) * dmat4(x, 0, 0, 0, 0, y, 0, 0, 0, 0, z, 0, 0, 0, 0, 1) * rotationY(12);
+    };
     EXPECT_FALSE(leavesNoArea(mesh, scaled(1, 0, 1))) << "the triangle lies in the plane that is left";
     EXPECT_TRUE(leavesNoArea(mesh, scaled(1, 1, 0) * rotationY(-12)));
     EXPECT_TRUE(leavesNoArea(mesh, scaled(1, 0, 0)));

@@ -5,11 +5,11 @@
 #include "pipeline/scene/load.h"
 #include "tests/support/temporary_folder.h"
 
+#include <fmt/core.h>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <initializer_list>
 #include <limits>
@@ -180,7 +180,8 @@ TEST(Gltf, StripsAndFansKeepTheirWinding) {
 
 TEST(Gltf, ReadsInterleavedAndUnindexed) {
     std::string bytes;
-    for (const auto& [x, y] : {std::pair{0.f, 0.f}, {1.f, 0.f}, {1.f, 1.f}, {0.f, 0.f}, {1.f, 1.f}, {0.f, 1.f}}) append<float>(bytes, {x, y, 0, 0, 0, 1});
+    for (const auto& [x, y] : {std::pair{0.f, 0.f}, {1.f, 0.f}, {1.f, 1.f}, {0.f, 0.f}, {1.f, 1.f}, {0.f, 1.f}})
+        append<float>(bytes, {x, y, 0, 0, 0, 1});
     json document = quad();
     document["buffers"][0]["byteLength"] = bytes.size();
     document["bufferViews"] = json::parse(R"([{"buffer": 0, "byteLength": 144, "byteStride": 24}])");
@@ -199,8 +200,8 @@ TEST(Gltf, ReadsSparseAccessors) {
     document["buffers"][0]["byteLength"] = bytes.size();
     document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 108}, {"byteLength", 2}});
     document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 112}, {"byteLength", 12}});
-    document["accessors"][0]["sparse"] = json::parse(
-        R"({"count": 1, "indices": {"bufferView": 3, "componentType": 5123}, "values": {"bufferView": 4}})");
+    document["accessors"][0]["sparse"] =
+        json::parse(R"({"count": 1, "indices": {"bufferView": 3, "componentType": 5123}, "values": {"bufferView": 4}})");
     const Scene scene = load(document, bytes);
     EXPECT_EQ(scene.meshes.at(0).boundsMax, glm::vec3(1, 5, 0));
     document["accessors"][0]["sparse"]["count"] = 2;
@@ -244,10 +245,9 @@ TEST(Gltf, WithoutNormalsFacesAreFlat) {
 TEST(Gltf, ComposesNodesInDouble) {
     json document = quad();
     const double h = std::sqrt(0.5);
-    document["nodes"] = {
-        {{"children", {1, 2}}, {"translation", {1, 0, 0}}, {"rotation", {0, 0, h, h}}, {"scale", {2, 2, 2}}},
-        {{"name", "matrix"}, {"mesh", 0}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 4, 5, 1}}},
-        {{"name", "plain"}, {"mesh", 0}}};
+    document["nodes"] = {{{"children", {1, 2}}, {"translation", {1, 0, 0}}, {"rotation", {0, 0, h, h}}, {"scale", {2, 2, 2}}},
+                         {{"name", "matrix"}, {"mesh", 0}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 4, 5, 1}}},
+                         {{"name", "plain"}, {"mesh", 0}}};
     const Scene scene = load(document);
     ASSERT_EQ(scene.objects.size(), 2u);
     EXPECT_EQ(scene.objects[0].mesh, scene.objects[1].mesh) << "instances share a mesh";
@@ -281,8 +281,8 @@ TEST(Gltf, MaterialsBecomePhong) {
     const Material& half = scene.materials[1];
     EXPECT_EQ(half.diffuse, glm::vec3(0.5f, 0.25f, 1));
     EXPECT_EQ(half.ambient, glm::vec3(0.05f, 0.025f, 0.1f));
-    EXPECT_FLOAT_EQ(half.shininess, 30);          // a = 1/4: 2 * 16 - 2
-    EXPECT_FLOAT_EQ(half.specular.r, 0.16f);      // 0.04 / (4 / 16)
+    EXPECT_FLOAT_EQ(half.shininess, 30);      // a = 1/4: 2 * 16 - 2
+    EXPECT_FLOAT_EQ(half.specular.r, 0.16f);  // 0.04 / (4 / 16)
     const Material& mirror = scene.materials[2];
     EXPECT_EQ(mirror.shininess, 1e6f);
     EXPECT_EQ(mirror.specular, glm::vec3(1));
@@ -510,13 +510,18 @@ TEST(Gltf, BadInputNamesPointerAndField) {
     ASSERT_GE(rows.size(), 40u);
     for (const BadDocument& row : rows) {
         const std::string message = refusal(row.document);
-        EXPECT_TRUE(message.starts_with("quad.gltf: " + row.pointer + ": ")) << row.document << "\n-> " << message << "\n   want " << row.pointer;
+        EXPECT_TRUE(message.starts_with("quad.gltf: " + row.pointer + ": "))
+            << row.document << "\n-> " << message << "\n   want " << row.pointer;
         EXPECT_NE(message.find(row.words), std::string::npos) << message << "\n   want " << row.words;
     }
 }
 
 TEST(Gltf, NanAndInfinityNameAccessorAndElement) {
-    const struct { size_t at; float value; std::string place, words; } rows[] = {
+    const struct {
+        size_t at;
+        float value;
+        std::string place, words;
+    } rows[] = {
         {12, kNan, "/accessors/0", "element 1: POSITION x is NaN"},
         {28, kInfinity, "/accessors/0", "element 2: POSITION y is infinite"},
         {44, -kInfinity, "/accessors/0", "element 3: POSITION z is infinite"},

@@ -4,8 +4,8 @@
 #include "host/error.h"
 #include "tests/support/temporary_folder.h"
 
-#include <cstdint>
 #include <gtest/gtest.h>
+#include <cstdint>
 
 #include <cstdlib>
 #include <fstream>
@@ -28,23 +28,20 @@ DeviceInfo device(uint32_t index, const std::string& name, const std::string& ty
 }
 
 std::vector<DeviceInfo> mixedMachine() {
-    std::vector<DeviceInfo> devices = {
-        device(0, "llvmpipe (LLVM 15.0.6, 256 bits)", "cpu", true), device(1, "Intel UHD 630", "integrated"),
-        device(2, "NVIDIA RTX 4090", "discrete"), device(3, "SwiftShader Device", "cpu")};
+    std::vector<DeviceInfo> devices = {device(0, "llvmpipe (LLVM 15.0.6, 256 bits)", "cpu", true), device(1, "Intel UHD 630", "integrated"),
+                                       device(2, "NVIDIA RTX 4090", "discrete"), device(3, "SwiftShader Device", "cpu")};
     devices[2].unusableBecause = "has Vulkan 1.1, 1.2 is needed";
     return devices;
 }
 
-DeviceChoice choose(const std::string& prefer, const std::string& require = "",
-                    const std::vector<DeviceInfo>& devices = mixedMachine()) {
+DeviceChoice choose(const std::string& prefer, const std::string& require = "", const std::vector<DeviceInfo>& devices = mixedMachine()) {
     DeviceRequest request;
     request.prefer = prefer;
     request.require = require;
     return chooseDevice(devices, "there is no Vulkan loader (libvulkan.so.1)", request);
 }
 
-std::string refusal(const std::string& prefer, const std::string& require = "",
-                    const std::vector<DeviceInfo>& devices = mixedMachine()) {
+std::string refusal(const std::string& prefer, const std::string& require = "", const std::vector<DeviceInfo>& devices = mixedMachine()) {
     try {
         const DeviceChoice choice = choose(prefer, require, devices);
         ADD_FAILURE() << "--device " << prefer << " --require-device " << require << " chose " << choice.info.name;
@@ -66,8 +63,7 @@ TEST(DeviceChoice, AutoTakesTheFirstUsableGpuAndSaysWhyNotTheOthers) {
 }
 
 TEST(DeviceChoice, AutoPrefersLavapipeToOtherCpuDevices) {
-    const DeviceChoice choice =
-        choose("auto", "", {device(0, "SwiftShader Device", "cpu"), device(1, "llvmpipe", "cpu", true)});
+    const DeviceChoice choice = choose("auto", "", {device(0, "SwiftShader Device", "cpu"), device(1, "llvmpipe", "cpu", true)});
     EXPECT_EQ(choice.info.name, "llvmpipe");
     EXPECT_EQ(choice.reason, "device 1 'llvmpipe': the first usable lavapipe; no usable GPU was found");
 }
@@ -132,8 +128,7 @@ TEST(DeviceList, IsEmptyWithAReasonWhenThereIsNoDriver) {
         const Environment none("VK_ICD_FILENAMES", files);
         std::string why;
         EXPECT_TRUE(Device::list(&why).empty());
-        EXPECT_EQ(why,
-                  "the Vulkan loader found no working driver (ICD) (VK_ICD_FILENAMES='" + std::string(files) + "')");
+        EXPECT_EQ(why, "the Vulkan loader found no working driver (ICD) (VK_ICD_FILENAMES='" + std::string(files) + "')");
         const DeviceChoice choice = Device::choose({});
         EXPECT_TRUE(choice.twin);
         EXPECT_FALSE(choice.advice.empty());
@@ -143,8 +138,7 @@ TEST(DeviceList, IsEmptyWithAReasonWhenThereIsNoDriver) {
 // JSON whose root is an array is left out: loader 1.3.239 itself crashes on it in vkCreateInstance.
 TEST(DeviceList, SurvivesABrokenIcdFile) {
     const TemporaryFolder folder;
-    for (const char* text : {"", "{", "{}", "{\"ICD\":{}}",
-                             "{\"ICD\":{\"library_path\":\"/nonexistent.so\",\"api_version\":\"1.2.0\"}}"}) {
+    for (const char* text : {"", "{", "{}", "{\"ICD\":{}}", "{\"ICD\":{\"library_path\":\"/nonexistent.so\",\"api_version\":\"1.2.0\"}}"}) {
         const std::string file = folder.path() / "icd.json";
         std::ofstream(file) << text;
         const Environment broken("VK_ICD_FILENAMES", file.c_str());

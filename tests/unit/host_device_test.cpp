@@ -8,20 +8,20 @@
 #include "shared/exact.h"
 #include "tests/support/temporary_folder.h"
 
-#include <bit>
-#include <cmath>
-#include <cstdint>
 #include <fmt/core.h>
-#include <glm/glm.hpp>
 #include <gtest/gtest.h>
-#include <initializer_list>
-#include <ios>
-#include <memory>
 #include <spirv/canary.h>
 #include <spirv/host_add.h>
 #include <spirv/host_exact.h>
 #include <spirv/host_loop.h>
 #include <spirv/host_reflect.h>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <initializer_list>
+#include <ios>
+#include <memory>
 
 #include <chrono>
 #include <cstdlib>
@@ -99,8 +99,7 @@ struct Addition {
         for (uint32_t i = 0; i < items; ++i) pairs.span()[i] = {i, 2 * i + 1}, texel.span()[i] = i * i;
         sums.fill(0xdeadbeefu);
     }
-    void record(Recorder& recorder, const Specialization& constants = kAddsNothing, const char* label = "add",
-                uint32_t skippedGroups = 0) {
+    void record(Recorder& recorder, const Specialization& constants = kAddsNothing, const char* label = "add", uint32_t skippedGroups = 0) {
         recorder.dispatch(label, spirv::host_add, count, AddPush{77, count, 3, skippedGroups},
                           {storage("Pairs", pairs), texels("texel", texel, View::texelU32), storage("Sums", sums)}, constants);
     }
@@ -173,7 +172,8 @@ TEST_F(HostDevice, OrdersDependentDispatchesAndFills) {
     for (int round = 0; round < 700; ++round) {  // more than one buffer of status slots and pool of queries
         const bool even = round % 2 == 0;
         recorder.dispatch("step", spirv::host_add, 512, AddPush{0, 512, 0, 0},
-                          {storage("Pairs", pairs), texels("texel", even ? a : b, View::texelU32), storage("Sums", even ? b : a)}, kAddsNothing);
+                          {storage("Pairs", pairs), texels("texel", even ? a : b, View::texelU32), storage("Sums", even ? b : a)},
+                          kAddsNothing);
     }
     recorder.fill("mark", b, 7, 4, 8);
     recorder.run();
@@ -201,7 +201,8 @@ TEST_F(HostDevice, BindsPartsOfBuffers) {
     Recorder recorder(device());
     recorder.dispatch("add", spirv::host_add, 64, AddPush{0, 64, 3, 0},
                       {storage("Pairs", work.pairs, 128, 64), texels("texel", work.texel, View::texelU32, 128 * 4, 64 * 4),
-                       storage("Sums", work.sums, 64, 64)}, kAddsNothing);
+                       storage("Sums", work.sums, 64, 64)},
+                      kAddsNothing);
     recorder.run();
     EXPECT_EQ(work.sums.span()[64], 128u + 257u * 3u + 128u * 128u);
     EXPECT_EQ(work.sums.span()[63], 0xdeadbeefu);
@@ -212,7 +213,8 @@ TEST_F(HostDevice, DoesNothingForNoItems) {
     Addition work(device(), 64);
     Recorder recorder(device());
     recorder.dispatch("add", spirv::host_add, 0, AddPush{0, 64, 3, 0},
-                      {storage("Pairs", work.pairs), texels("texel", work.texel, View::texelU32), storage("Sums", work.sums)}, kAddsNothing);
+                      {storage("Pairs", work.pairs), texels("texel", work.texel, View::texelU32), storage("Sums", work.sums)},
+                      kAddsNothing);
     recorder.run();
     EXPECT_EQ(work.sums.span()[0], 0xdeadbeefu);
 }
@@ -235,16 +237,16 @@ protected:
 
 TEST_F(Refusal, OfAnotherStride) {
     const Buffer<glm::uvec3> triples(device(), 64, "triples");
-    EXPECT_EQ(
-        refusal(spirv::host_add, push_, {storage("Pairs", triples), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)}),
-        "host_add: binding Pairs has elements of 8 bytes in GLSL and 12 in C++");
+    EXPECT_EQ(refusal(spirv::host_add, push_,
+                      {storage("Pairs", triples), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)}),
+              "host_add: binding Pairs has elements of 8 bytes in GLSL and 12 in C++");
 }
 
 TEST_F(Refusal, OfAnotherKind) {
-    EXPECT_EQ(
-        refusal(spirv::host_add, push_,
-                {texels("Pairs", work_.pairs, View::texelU32x2), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)}),
-        "host_add: binding Pairs is a storage buffer in GLSL and a texel buffer in C++");
+    EXPECT_EQ(refusal(spirv::host_add, push_,
+                      {texels("Pairs", work_.pairs, View::texelU32x2), texels("texel", work_.texel, View::texelU32),
+                       storage("Sums", work_.sums)}),
+              "host_add: binding Pairs is a storage buffer in GLSL and a texel buffer in C++");
     EXPECT_EQ(refusal(spirv::host_add, push_, {storage("Pairs", work_.pairs), storage("texel", work_.texel), storage("Sums", work_.sums)}),
               "host_add: binding texel is a texel buffer in GLSL and a storage buffer in C++");
 }
@@ -256,7 +258,8 @@ TEST_F(Refusal, OfAnotherTexelType) {
 }
 
 TEST_F(Refusal, OfBindingsThatAreMissingDoubledOrUnknown) {
-    const Binding pairs = storage("Pairs", work_.pairs), texel = texels("texel", work_.texel, View::texelU32), sums = storage("Sums", work_.sums);
+    const Binding pairs = storage("Pairs", work_.pairs), texel = texels("texel", work_.texel, View::texelU32),
+                  sums = storage("Sums", work_.sums);
     EXPECT_EQ(refusal(spirv::host_add, push_, {pairs, sums}), "host_add: binding texel is not given");
     EXPECT_EQ(refusal(spirv::host_add, push_, {pairs, texel, sums, sums}), "host_add: binding Sums is given twice");
     EXPECT_EQ(refusal(spirv::host_add, push_, {pairs, texel, sums, storage("Total", work_.sums)}), "host_add: no binding is called Total");
@@ -270,21 +273,23 @@ TEST_F(Refusal, OfAnotherPushBlock) {
 }
 
 TEST_F(Refusal, OfAnUnknownConstant) {
-    const std::vector<Binding> bindings = {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)};
+    const std::vector<Binding> bindings = {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelU32),
+                                           storage("Sums", work_.sums)};
     EXPECT_EQ(refusal(spirv::host_add, push_, bindings, {{"kAddend", 1}, {"kMissing", 1}}),
               "host_add: no constant is called kMissing (the module has kAddend)");
 }
 
 TEST_F(Refusal, OfAForgottenConstant) {
-    const std::vector<Binding> bindings = {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelU32), storage("Sums", work_.sums)};
+    const std::vector<Binding> bindings = {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelU32),
+                                           storage("Sums", work_.sums)};
     EXPECT_EQ(refusal(spirv::host_add, push_, bindings, {}), "host_add: the constant kAddend is not given");
 }
 
 TEST_F(Refusal, OfNoBuffer) {
     const Buffer<uint32_t> none;
-    EXPECT_EQ(
-        refusal(spirv::host_add, push_, {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelU32), storage("Sums", none)}),
-        "host_add: binding Sums is given no buffer");
+    EXPECT_EQ(refusal(spirv::host_add, push_,
+                      {storage("Pairs", work_.pairs), texels("texel", work_.texel, View::texelU32), storage("Sums", none)}),
+              "host_add: binding Sums is given no buffer");
 }
 
 TEST_F(Refusal, OfARangeOutsideTheBuffer) {
@@ -316,8 +321,7 @@ TEST_F(Refusal, OfTooLargeAWorkgroup) {
         uint32_t words[24];
     } push96{};
     EXPECT_EQ(refusal(spirv::host_reflect, push96, {storage("Pairs", work_.pairs)}, {{"kLocalSizeX", 1u << 20}, {"kScale", 1}}),
-              fmt::format("host_reflect: 2097152 invocations a workgroup, the device allows 1 to {}",
-                          device().limits().groupInvocations));
+              fmt::format("host_reflect: 2097152 invocations a workgroup, the device allows 1 to {}", device().limits().groupInvocations));
 }
 
 TEST_F(Refusal, LeavesTheRecorderAsItWas) {
@@ -333,17 +337,16 @@ TEST_F(Refusal, OfAFillThatIsNotWordsOfTheBuffer) {
     Recorder recorder(device());
     EXPECT_EQ(messageOf([&] { recorder.fill("clear", work_.sums, 0, 2, 4); }),
               "clear: 4 bytes from byte 2 of buffer 'sums', which has 256, cannot be filled by words");
-    EXPECT_NE(messageOf([&] { recorder.fill("clear", work_.sums, 0, 252, 8); }).find("cannot be filled"),
-              std::string::npos);
+    EXPECT_NE(messageOf([&] { recorder.fill("clear", work_.sums, 0, 252, 8); }).find("cannot be filled"), std::string::npos);
 }
 
 TEST_F(Refusal, OfAModuleWithoutStatus) {
     std::vector<uint32_t> words(spirv::host_add.words.begin(), spirv::host_add.words.end());
     for (size_t at = 5; at < words.size(); at += words[at] >> 16)  // binding 0 becomes 4
         if ((words[at] & 0xffffu) == 71 && words[at + 2] == 33 && words[at + 3] == 0) words[at + 3] = 4;
-    EXPECT_NE(refusal(Module{"bare", words, "other"}, push_, {storage("Pairs", work_.pairs)})
-                  .find("bare: binding 0 is not the Status buffer"),
-              std::string::npos);
+    EXPECT_NE(
+        refusal(Module{"bare", words, "other"}, push_, {storage("Pairs", work_.pairs)}).find("bare: binding 0 is not the Status buffer"),
+        std::string::npos);
 }
 
 TEST_F(Refusal, OfABufferAboveTheBudget) {
@@ -396,8 +399,7 @@ TEST_F(HostDevice, StopsWaitingAtTheWatchdog) {
         Recorder recorder(own);
         recorder.dispatch("slow", spirv::host_loop, 64 * 256, LoopPush{0, kLongestLoop, 64, kLongestLoop}, {storage("States", states)});
         EXPECT_EQ(messageOf([&] { recorder.run(1); }), "slow: the device did not finish within 1 ms (watchdog)");
-        EXPECT_EQ(messageOf([&] { recorder.fill("more", states, 0); }),
-                  "the device is still busy with work that ran into the watchdog");
+        EXPECT_EQ(messageOf([&] { recorder.fill("more", states, 0); }), "the device is still busy with work that ran into the watchdog");
     }
     expectSilence(own);  // the recorder waited for the work to end before it freed what the work uses
 }
@@ -510,8 +512,8 @@ TEST_F(HostDevice, TimesByTheHostWithoutTimeStamps) {
 }
 
 TEST_F(HostDevice, RefusesLimitsThatAreNone) {
-    for (const char* text : {"storageRange=99999999999999", "speed=1", "storageRange", "storageRange=x",
-                             "groupCount=-1", "timestamps=1", "="})
+    for (const char* text :
+         {"storageRange=99999999999999", "speed=1", "storageRange", "storageRange=x", "groupCount=-1", "timestamps=1", "="})
         EXPECT_EQ(messageOf([&] { openDevice(text); }, Exit::device).rfind("PLUMB_LIMITS: ", 0), 0u) << text;
 }
 
@@ -525,11 +527,8 @@ void expectExact(Device& device, int seedErrorUlp) {
     for (glm::vec2& v : operands.span())
         for (int k = 0; k < 2; ++k) {
             const uint32_t bits = uint32_t(random());
-            const uint32_t significand = bits >> 30 == 0   ? bits & 15u
-                                         : bits >> 30 == 1 ? 0x7fffffu - (bits & 15u)
-                                                           : bits & 0x7fffffu;
-            v[k] = gpu::realOf(
-                int((uint32_t(random()) & 0x80000000u) | (70u + uint32_t(random()) % 115u) << 23 | significand));
+            const uint32_t significand = bits >> 30 == 0 ? bits & 15u : bits >> 30 == 1 ? 0x7fffffu - (bits & 15u) : bits & 0x7fffffu;
+            v[k] = gpu::realOf(int((uint32_t(random()) & 0x80000000u) | (70u + uint32_t(random()) % 115u) << 23 | significand));
         }
     Recorder recorder(device);
     recorder.dispatch("exact", spirv::host_exact, kCount, ExactPush{0, kCount, seedErrorUlp},
@@ -569,10 +568,9 @@ TEST(SelfTestVerdict, SeesEachWrongAnswer) {
         const uint64_t u = uint64_t(v.i) * v.j;
         const int64_t s = int64_t(int32_t(v.i)) * int32_t(v.j);
         const float root = std::sqrt(std::fabs(v.x));
-        good.push_back({v.x + v.y, v.x - v.y, v.x * v.y, v.x * v.y + v.x, float(int32_t(v.i)), float(v.i),
-                        int32_t(v.converted), uint32_t(std::fabs(v.converted)), uint32_t(u >> 32), uint32_t(u),
-                        int32_t(s >> 32), int32_t(s), v.x / v.y, root, gpu::emulatedDivide(v.x, v.y, 0),
-                        gpu::emulatedRoot(std::fabs(v.x), 0)});
+        good.push_back({v.x + v.y, v.x - v.y, v.x * v.y, v.x * v.y + v.x, float(int32_t(v.i)), float(v.i), int32_t(v.converted),
+                        uint32_t(std::fabs(v.converted)), uint32_t(u >> 32), uint32_t(u), int32_t(s >> 32), int32_t(s), v.x / v.y, root,
+                        gpu::emulatedDivide(v.x, v.y, 0), gpu::emulatedRoot(std::fabs(v.x), 0)});
     }
     EXPECT_EQ(judgeSelfTest(vectors, good).failure, "");
     EXPECT_TRUE(judgeSelfTest(vectors, good).nativeDivideIsExact);
@@ -581,8 +579,8 @@ TEST(SelfTestVerdict, SeesEachWrongAnswer) {
         std::vector<gpu::SelfTestAnswer> bad = good;
         reinterpret_cast<uint32_t*>(&bad[vectors.size() - 1])[field] ^= 1u;
         const SelfTest verdict = judgeSelfTest(vectors, bad);
-        const int kept = verdict.exactAddMul + verdict.exactConversions + verdict.nativeDivideIsExact +
-                         verdict.nativeRootIsExact + verdict.emulatedDivideIsExact + verdict.emulatedRootIsExact;
+        const int kept = verdict.exactAddMul + verdict.exactConversions + verdict.nativeDivideIsExact + verdict.nativeRootIsExact +
+                         verdict.emulatedDivideIsExact + verdict.emulatedRootIsExact;
         EXPECT_EQ(kept, 5) << "field " << field;
         EXPECT_EQ(verdict.failure.empty(), field >= 12) << verdict.failure;
     }
@@ -607,7 +605,8 @@ TEST(SelfTestVerdict, OfBinary64NoticesEachWord) {
         for (const double operand : {a, b, x}) ASSERT_TRUE(std::abs(operand) >= 0x1p-60 && std::abs(operand) <= 0x1p60) << operand;
         const auto words = [](double y) { return std::bit_cast<uint64_t>(y); };
         const uint64_t sum = words(a + b), product = words(a * x), both = words(a * x + b);
-        good.push_back({uint32_t(sum), uint32_t(sum >> 32), uint32_t(product), uint32_t(product >> 32), uint32_t(both), uint32_t(both >> 32), float(a)});
+        good.push_back({uint32_t(sum), uint32_t(sum >> 32), uint32_t(product), uint32_t(product >> 32), uint32_t(both),
+                        uint32_t(both >> 32), float(a)});
         contracted += std::fma(a, x, b) != a * x + b;
         cutShort += float(a) != std::bit_cast<float>(uint32_t(words(a) >> 63) << 31 | uint32_t((words(a) >> 29) - (uint64_t(896) << 23)));
         single += double(float(a) + float(b)) != a + b;

@@ -2,9 +2,9 @@
 // shaders/shared/exact.h on the host: the emulated forms against IEEE, whatever the seed.
 #include "shared/exact.h"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <cstdint>
-#include <gtest/gtest.h>
 
 #include <ios>
 #include <random>

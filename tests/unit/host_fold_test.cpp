@@ -6,12 +6,12 @@
 
 #include "tests/support/temporary_folder.h"
 
-#include <cstdint>
 #include <fmt/core.h>
 #include <gtest/gtest.h>
-#include <span>
 #include <spirv/host_add.h>
 #include <spirv/host_reflect.h>
+#include <cstdint>
+#include <span>
 
 #include <cstdlib>
 #include <cstring>
@@ -111,7 +111,8 @@ TEST(Fold, TakesTheSideThatTheConstantsSay) {
         const Reflection r = reflect(loaded.module());
         for (size_t i = 0; i < r.specializationIds.size(); ++i) {
             if (r.specializationNames[i].find("Size") != std::string::npos) continue;
-            differ += foldConstants(loaded.module(), {{r.specializationIds[i], 0}}) != foldConstants(loaded.module(), {{r.specializationIds[i], 1}});
+            differ += foldConstants(loaded.module(), {{r.specializationIds[i], 0}}) !=
+                      foldConstants(loaded.module(), {{r.specializationIds[i], 1}});
         }
     }
     EXPECT_GT(differ, 50u) << "constants that branches ask for";

@@ -3,10 +3,10 @@
 #include "host/error.h"
 #include "host/program.h"
 
-#include <cstdint>
 #include <gtest/gtest.h>
-#include <span>
 #include <spirv/host_reflect.h>
+#include <cstdint>
+#include <span>
 
 #include <bit>
 #include <cstring>
@@ -54,8 +54,7 @@ std::vector<uint32_t> wordsOf(const std::filesystem::path& path) {
 
 TEST(Reflection, UnderstandsEveryEmbeddedModule) {
     int modules = 0;
-    for (const auto& entry :
-         std::filesystem::directory_iterator(std::filesystem::path(PLUMB_BINARY_DIR) / "generated/spirv")) {
+    for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(PLUMB_BINARY_DIR) / "generated/spirv")) {
         const std::string name = entry.path().filename();
         if (!name.ends_with(".spv") || name.ends_with(".raw.spv")) continue;
         const std::vector<uint32_t> words = wordsOf(entry.path());
@@ -87,8 +86,7 @@ TEST(Reflection, SurvivesDamagedWords) {
     for (size_t i = 0; i < good.size(); ++i) {
         words.assign(good.begin(), good.begin() + long(i));
         attempt();
-        for (const uint32_t wrong :
-             {0u, 1u, 0xffffffffu, 0x00010000u, good[i] + 1, good[i] ^ 0x00010000u, std::rotl(good[i], 16)}) {
+        for (const uint32_t wrong : {0u, 1u, 0xffffffffu, 0x00010000u, good[i] + 1, good[i] ^ 0x00010000u, std::rotl(good[i], 16)}) {
             words.assign(good.begin(), good.end());
             words[i] = wrong;
             attempt();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What is written is what was drawn, and a file is whole or absent.
-#include "host/error.h"
 #include "pipeline/image/image.h"
+#include "host/error.h"
 #include "pipeline/image/zlib_strips.h"
 
 #include <ImfChannelList.h>
@@ -9,6 +9,11 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <ImfStringAttribute.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -19,18 +24,13 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <gtest/gtest.h>
 #include <iterator>
 #include <limits>
 #include <random>
 #include <span>
 #include <string>
-#include <sys/resource.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <utility>
 #include <vector>
-#include <zlib.h>
 
 namespace plumb {
 namespace {
@@ -98,13 +98,15 @@ TEST(Sha256, BothFormsAgreeWithFips180) {
         {"abc", "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"},
         {"\xbd", "68325720aabd7c82f30f554b313d0570c95accbb7dc4b5aae11204c08ffe732b"},
         {"abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq", "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1"},
-        {"abcdefghbcdefghicdefghijdefghijkefghijklfghijklmghijklmnhijklmnoijklmnopjklmnopqklmnopqrlmnopqrsmnopqrstnopqrstu", "cf5b16a778af8380036ce59e7b0492370b249b11e8f07a51afac45037afee9d1"},
+        {"abcdefghbcdefghicdefghijdefghijkefghijklfghijklmghijklmnhijklmnoijklmnopjklmnopqklmnopqrlmnopqrsmnopqrstnopqrstu",
+         "cf5b16a778af8380036ce59e7b0492370b249b11e8f07a51afac45037afee9d1"},
         {std::string(55, '\0'), "02779466cdec163811d078815c633f21901413081449002f24aa3e80f0b88ef7"},
         {std::string(64, '\0'), "f5a5fd42d16a20302798ef6ed309979b43003d2320d9f0e8ea9831a92759fb4b"},
         {std::string(1000000, 'a'), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0"},
     };
     for (const Sha256Form form : {Sha256Form::portable, Sha256Form::fastest})
-        for (const auto& [text, hash] : vectors) EXPECT_EQ(sha256Hex(bytesOf(text), form), hash) << text.size() << " bytes, form " << int(form);
+        for (const auto& [text, hash] : vectors)
+            EXPECT_EQ(sha256Hex(bytesOf(text), form), hash) << text.size() << " bytes, form " << int(form);
 }
 
 // Every length of the last blocks, from every alignment of the first byte.
@@ -179,12 +181,14 @@ TEST(ZlibStrips, AreOneStreamOfTheRows) {
             std::mt19937 random(c.rows);
             for (unsigned char& byte : want) byte = random() % 3 == 0 ? static_cast<unsigned char>(random()) : 7;
             std::vector<std::byte> stream;
-            for (const std::vector<std::byte>& piece :
-                 zlibStrips(c.rows, c.rowBytes, level, [&](uint32_t y, unsigned char* to) { std::copy_n(want.begin() + ptrdiff_t(y * c.rowBytes), c.rowBytes, to); }))
+            for (const std::vector<std::byte>&piece : zlibStrips(c.rows, c.rowBytes, level, [&](uint32_t y, unsigned char*to) {
+                     std::copy_n(want.begin() + ptrdiff_t(y * c.rowBytes), c.rowBytes, to);
+                 }))
                 stream.insert(stream.end(), piece.begin(), piece.end());
             std::vector<unsigned char> got(want.size());
             uLongf size = got.size();
-            EXPECT_EQ(uncompress(got.data(), &size, reinterpret_cast<const Bytef*>(stream.data()), stream.size()), Z_OK) << c.rows << " x " << c.rowBytes;
+            EXPECT_EQ(uncompress(got.data(), &size, reinterpret_cast<const Bytef*>(stream.data()), stream.size()), Z_OK)
+                << c.rows << " x " << c.rowBytes;
             EXPECT_EQ(size, want.size());
             EXPECT_EQ(got, want) << c.rows << " x " << c.rowBytes;
         }
@@ -226,7 +230,8 @@ TEST(Exr, HoldsEveryPlaneWithItsConvention) {
     Imf::InputFile file((folder / "a.exr").c_str());
     std::vector<std::string> names;
     for (auto it = file.header().channels().begin(); it != file.header().channels().end(); ++it) names.emplace_back(it.name());
-    EXPECT_EQ(names, (std::vector<std::string>{"B", "G", "R", "Z", "distance", "normal.X", "normal.Y", "normal.Z", "object_id", "primitive_id"}));
+    EXPECT_EQ(names,
+              (std::vector<std::string>{"B", "G", "R", "Z", "distance", "normal.X", "normal.Y", "normal.Z", "object_id", "primitive_id"}));
     EXPECT_EQ(file.header().typedAttribute<Imf::StringAttribute>("plumb:scene").value(), "x.obj");
     EXPECT_NE(file.header().typedAttribute<Imf::StringAttribute>("plumb:depth").value().find("infinity"), std::string::npos);
     const size_t n = frame.depth.size();
@@ -326,7 +331,7 @@ TEST(AtomicFile, ReplacesAndKeepsTheMode) {
     ::chmod((folder / "a").c_str(), 0600);
     writeFileAtomically(folder / "a", bytesOf("second"), false);
     EXPECT_EQ(read(folder / "a"), "second");
-    struct stat st{};
+    struct stat st {};
     ::stat((folder / "a").c_str(), &st);
     EXPECT_EQ(st.st_mode & 0777, 0600u);
     EXPECT_EQ(folder.files(), 1u);

@@ -7,19 +7,18 @@
 #include "pipeline/measure/telling.h"
 #include "tests/support/ray_scenes.h"
 
-#include <cstdint>
-#include <filesystem>
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
-#include <memory>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -33,7 +32,8 @@ bool beatenBySomePoint(const std::vector<FrontPoint>& points, size_t i) {
     const auto most = [&](const FrontPoint& p) {
         long long worst = steps(p.errorAtMostSamples);
         for (const FrontPoint& q : points)
-            if (q.samples == p.samples && steps(q.errorAtItsSamples) <= steps(p.errorAtItsSamples)) worst = std::max(worst, steps(q.errorAtMostSamples));
+            if (q.samples == p.samples && steps(q.errorAtItsSamples) <= steps(p.errorAtItsSamples))
+                worst = std::max(worst, steps(q.errorAtMostSamples));
         return worst;
     };
     const auto nearer = [&](const FrontPoint& p, const FrontPoint& q) {
@@ -55,7 +55,8 @@ TEST(Front, IsWhatItsRulesSay) {
         for (size_t i = 1; i < points.size(); ++i) {
             // Few distinct values, so that ties are common.
             const double low = 0.25 * double(1 + random.below(8));
-            points[i] = {low, low + 0.25 * double(random.below(4)), double(random.below(5)), double(random.below(5)), random.below(3), i, false};
+            points[i] = {low,  low + 0.25 * double(random.below(4)), double(random.below(5)), double(random.below(5)), random.below(3), i,
+                         false};
         }
         const std::vector<bool> front = frontOf(points);
         ASSERT_EQ(front.size(), points.size());
@@ -65,7 +66,9 @@ TEST(Front, IsWhatItsRulesSay) {
     EXPECT_TRUE(frontOf({}).empty());
 }
 
-FrontPoint pointOf(double low, double high, double own, double most, size_t samples, size_t work) { return {low, high, own, most, samples, work, false}; }
+FrontPoint pointOf(double low, double high, double own, double most, size_t samples, size_t work) {
+    return {low, high, own, most, samples, work, false};
+}
 
 TEST(Front, NeverPartsTheDefaultFromItself) {
     test::Random random(2);
@@ -74,7 +77,8 @@ TEST(Front, NeverPartsTheDefaultFromItself) {
         for (size_t i = 1; i < 10; ++i) {
             const double low = 0.25 * double(1 + random.below(8));
             const size_t work = random.below(5);
-            points.push_back(pointOf(low, low + 0.25 * double(random.below(4)), work == 0 ? 1 : double(random.below(3)), work == 0 ? 3 : double(random.below(5)), work == 0 ? 0 : random.below(2), work));
+            points.push_back(pointOf(low, low + 0.25 * double(random.below(4)), work == 0 ? 1 : double(random.below(3)),
+                                     work == 0 ? 3 : double(random.below(5)), work == 0 ? 0 : random.below(2), work));
         }
         points[4] = points[0];
         points[4].low = points[4].high = 0.5 + 0.25 * double(random.below(5));  // told apart wrongly, at times
@@ -82,7 +86,8 @@ TEST(Front, NeverPartsTheDefaultFromItself) {
         points[6].work = points[7].work = 9;
         points[7].low = points[6].high;  // they overlap
         points[7].high = points[7].low + 1;
-        points[7].errorAtItsSamples = points[6].errorAtItsSamples, points[7].errorAtMostSamples = points[6].errorAtMostSamples, points[7].samples = points[6].samples;
+        points[7].errorAtItsSamples = points[6].errorAtItsSamples, points[7].errorAtMostSamples = points[6].errorAtMostSamples,
+        points[7].samples = points[6].samples;
         const std::vector<bool> front = frontOf(points);
         EXPECT_EQ(front[4], front[0]) << trial;
         EXPECT_EQ(front[7], front[6]) << trial;
@@ -91,9 +96,11 @@ TEST(Front, NeverPartsTheDefaultFromItself) {
 
 TEST(Front, IsNotDecidedByEdges) {
     // depth=16 of a picture of one sample: 0.730 off by itself, 0.289 the default; against 16 samples its edges happen to cancel some of that.
-    const std::vector<FrontPoint> points = {pointOf(1, 1, 0.289, 8.871, 0, 0), pointOf(0.8, 1.2, 0.730, 8.870, 0, 1), pointOf(2, 3, 0.287, 4.3, 1, 2), pointOf(1.5, 1.7, 0.289, 8.872, 2, 3),
+    const std::vector<FrontPoint> points = {pointOf(1, 1, 0.289, 8.871, 0, 0), pointOf(0.8, 1.2, 0.730, 8.870, 0, 1),
+                                            pointOf(2, 3, 0.287, 4.3, 1, 2), pointOf(1.5, 1.7, 0.289, 8.872, 2, 3),
                                             pointOf(0.7, 0.9, 0.73, 8.860, 0, 4)};
-    EXPECT_EQ(frontOf(points), (std::vector<bool>{true, false, true, false, true})) << "four samples are nearer; what is told to be faster may be further off";
+    EXPECT_EQ(frontOf(points), (std::vector<bool>{true, false, true, false, true}))
+        << "four samples are nearer; what is told to be faster may be further off";
 }
 
 // P(Binomial(count, 1/2) < k) by counting, for few tosses.
@@ -152,7 +159,8 @@ TEST(RoundOrder, HasEachRunOnceAndEachForerunnerEquallyOften) {
                 for (size_t i = 1; i < count; ++i) ++pairs[{round[i - 1], round[i]}];
             }
             EXPECT_EQ(pairs.size(), count * (count - 1));
-            for (const auto& [pair, times] : pairs) EXPECT_EQ(times, rounds / count) << pair.first << " before " << pair.second << " of " << count;
+            for (const auto& [pair, times] : pairs)
+                EXPECT_EQ(times, rounds / count) << pair.first << " before " << pair.second << " of " << count;
         }
         EXPECT_EQ(differs, count > 2) << "the seed matters";
     }
@@ -179,8 +187,8 @@ TEST(Axes, HaveDistinctNamesAndReasons) {
             EXPECT_STRNE(choice.why, "") << axis.name << ' ' << choice.name;
         }
     }
-    for (const char* name : {"shading", "fill", "interpolation", "specular", "normals", "light-vector", "transform",
-                             "depth", "encode", "samples", "trace-depth", "trace-cutoff", "rate", "subpixel"})
+    for (const char* name : {"shading", "fill", "interpolation", "specular", "normals", "light-vector", "transform", "depth", "encode",
+                             "samples", "trace-depth", "trace-cutoff", "rate", "subpixel"})
         EXPECT_NO_THROW(axisOf(name)) << "the product names this axis";
     try {
         axisOf("shadings");
@@ -242,10 +250,11 @@ TEST(Measure, OfRaysHasDepthAndCutoffWithTheirBounds) {
         EXPECT_LE(run.error->picture.mean, run.bound->mean) << name;
         EXPECT_LE(run.error->picture.rms, run.bound->rms) << name;
     }
-    EXPECT_EQ(bounded, (std::set<std::string>{"trace-depth 1", "trace-depth 2", "trace-depth 3", "trace-depth 10", "trace-cutoff 0", "trace-cutoff 1/256",
-                                              "trace-cutoff 1/100", "trace-cutoff 1/10"}))
+    EXPECT_EQ(bounded, (std::set<std::string>{"trace-depth 1", "trace-depth 2", "trace-depth 3", "trace-depth 10", "trace-cutoff 0",
+                                              "trace-cutoff 1/256", "trace-cutoff 1/100", "trace-cutoff 1/10"}))
         << "the depth of 5 is the stated one";
-    for (const char* name : {"shading ray", "samples 4", "ray-sampling corners", "ray-sampling adaptive", "ray-sampling random", "encoding linear", "threads 2"})
+    for (const char* name : {"shading ray", "samples 4", "ray-sampling corners", "ray-sampling adaptive", "ray-sampling random",
+                             "encoding linear", "threads 2"})
         EXPECT_TRUE(drawn.count(name)) << name;
     EXPECT_FALSE(drawn.count("shading phong")) << "spheres and planes";
     // Claims P5 and P12: fewer rays, more error.
@@ -344,7 +353,8 @@ TEST(Measure, TimesAllInTurnAndComparesEachWithTheTruth) {
     for (const Row& row : m.rows) {
         if (!row.run) continue;
         EXPECT_EQ(m.runs[*row.run].told, Told::notApart);
-        EXPECT_EQ(row.onFront, (std::string(row.axis->name) == "samples" && std::string(row.choice->name) == "16")) << row.axis->name << ' ' << row.choice->name;
+        EXPECT_EQ(row.onFront, (std::string(row.axis->name) == "samples" && std::string(row.choice->name) == "16"))
+            << row.axis->name << ' ' << row.choice->name;
     }
     ASSERT_EQ(m.front.size(), 1u);
     EXPECT_STREQ(m.rows[0].choice->name, "default again");
@@ -408,15 +418,17 @@ int toldApart(const std::vector<const Axis*>& axes, double delay, Told as, uint3
         told += m.runs[1].told == as;
         for (const Row& row : m.rows)
             if (row.run == 1u) {
-                EXPECT_EQ(row.onFront, std::any_of(m.rows.begin(), m.rows.end(), [](const Row& r) { return r.baseline && r.onFront; })) << "never on the other side of the front";
+                EXPECT_EQ(row.onFront, std::any_of(m.rows.begin(), m.rows.end(), [](const Row& r) { return r.baseline && r.onFront; }))
+                    << "never on the other side of the front";
             }
     }
     return told;
 }
 
 TEST(Measure, TellsTheDefaultFromItselfByNoListOfAxes) {
-    for (const std::vector<const Axis*>& axes : {std::vector{&axisOf("depth")}, std::vector{&axisOf("transform"), &axisOf("specular"), &axisOf("renderer"), &axisOf("threads")},
-                                                 std::vector{&axisOf("renderer")}, std::vector{&axisOf("threads"), &axisOf("shading")}}) {
+    for (const std::vector<const Axis*>& axes :
+         {std::vector{&axisOf("depth")}, std::vector{&axisOf("transform"), &axisOf("specular"), &axisOf("renderer"), &axisOf("threads")},
+          std::vector{&axisOf("renderer")}, std::vector{&axisOf("threads"), &axisOf("shading")}}) {
         const int apart = toldApart(axes, 0, Told::faster, 31) + toldApart(axes, 0, Told::slower, 31);
         EXPECT_LE(apart, kMostWrong) << axes[0]->name;
     }
@@ -425,7 +437,8 @@ TEST(Measure, TellsTheDefaultFromItselfByNoListOfAxes) {
 // What heavy runs leave behind moves a ratio by 0.3, so a tenth beside them needs more rounds.
 TEST(Measure, FindsADelayOfATenth) {
     EXPECT_GE(toldApart({&axisOf("depth")}, 0.1, Told::slower, 31), kTrials - kMostWrong);
-    EXPECT_GE(toldApart({&axisOf("transform"), &axisOf("specular"), &axisOf("renderer"), &axisOf("threads")}, 0.1, Told::slower, 201), kTrials - kMostWrong);
+    EXPECT_GE(toldApart({&axisOf("transform"), &axisOf("specular"), &axisOf("renderer"), &axisOf("threads")}, 0.1, Told::slower, 201),
+              kTrials - kMostWrong);
 }
 
 TEST(Measure, HasOneTruthForEveryListOfAxes) {
@@ -436,7 +449,8 @@ TEST(Measure, HasOneTruthForEveryListOfAxes) {
     plan.base.request.height = 32;
     plan.base.request.shading = Shading::ray;
     std::map<std::string, double> first;
-    for (const std::vector<const Axis*>& axes : {std::vector{&axisOf("ray-sampling")}, std::vector{&axisOf("ray-sampling"), &axisOf("samples"), &axisOf("trace-depth")}}) {
+    for (const std::vector<const Axis*>& axes :
+         {std::vector{&axisOf("ray-sampling")}, std::vector{&axisOf("ray-sampling"), &axisOf("samples"), &axisOf("trace-depth")}}) {
         plan.axes = axes;
         const Measurement m = measure(scene, plan);
         EXPECT_EQ(m.truth->samples, 16u);
@@ -512,7 +526,8 @@ TEST(Measure, CutsWhatIsAskedLeastFirst) {
     // Nothing that is asked less is kept where something that is asked more was cut, unless it is one of the repeats.
     for (const Row& gone : m.cut)
         for (const Row& row : m.rows)
-            if (row.run && !row.baseline && m.runs[*row.run].bytes != m.runs[0].bytes && m.runs[*gone.run].bytes != m.runs[0].bytes && !m.runs[*gone.run].bytes.empty()) {
+            if (row.run && !row.baseline && m.runs[*row.run].bytes != m.runs[0].bytes && m.runs[*gone.run].bytes != m.runs[0].bytes &&
+                !m.runs[*gone.run].bytes.empty()) {
                 EXPECT_LE(askedPlace(*row.axis), askedPlace(*gone.axis)) << row.axis->name << " was kept, " << gone.axis->name << " cut";
             }
 }
@@ -540,11 +555,18 @@ TEST(Measure, ListsWhatTheRendererDoesNotDrawAsAbsent) {
 TEST(Measure, EndsWhereAnErrorIsBeyondItsBound) {
     MeasurePlan plan = planOf(nullptr);
     plan.axes = {&axisOf("encode"), &axisOf("specular")};
-    for (const auto& [name, spoil] : {std::pair<std::string, std::function<void(Frame&)>>("encode native", [](Frame& f) { for (uint32_t& word : f.rgba) word ^= 0x20; }),
-                                      {"specular schlick", [](Frame& f) { for (size_t i = 0; i < f.linear.size(); ++i) f.linear[i] += i == 3 * (30 * 96 + 48) ? 0.5f : 0.0f; }}}) {
+    for (const auto& [name, spoil] : {std::pair<std::string, std::function<void(Frame&)>>("encode native",
+                                                                                          [](Frame& f) {
+                                                                                              for (uint32_t& word : f.rgba) word ^= 0x20;
+                                                                                          }),
+                                      {"specular schlick", [](Frame& f) {
+                                           for (size_t i = 0; i < f.linear.size(); ++i)
+                                               f.linear[i] += i == 3 * (30 * 96 + 48) ? 0.5f : 0.0f;
+                                       }}}) {
         plan.draw = [&](const Scene& scene, const Setting& setting) {
             RenderResult r = renderCpu(scene, setting.request);
-            const bool mine = name[0] == 'e' ? setting.request.trade.nativeEncode : setting.request.trade.specular == Trade::Specular::schlick;
+            const bool mine =
+                name[0] == 'e' ? setting.request.trade.nativeEncode : setting.request.trade.specular == Trade::Specular::schlick;
             if (mine && !r.frame.linear.empty()) spoil(r.frame);
             return r;
         };

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 // A mesh far from 0 keeps the digits of its file: its origin, what is left from there, and what readers hand on.
+#include "pipeline/scene/mesh_origin.h"
 #include "host/error.h"
 #include "pipeline/scene/load.h"
-#include "pipeline/scene/mesh_origin.h"
 #include "tests/support/temporary_folder.h"
 
+#include <fmt/core.h>
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 #include <limits>
 #include <random>
 #include <string>
@@ -74,7 +74,9 @@ constexpr double kCorners[4][3] = {{0, 0, 0.001}, {0.3217, 0, 0.0339}, {0.32, 0.
 const dvec3 kNear(0), kMap(412345.67, 5287654.32, 412.44);
 
 std::string number(double corner, double at) { return fmt::format("{:.4f}", corner + at); }
-std::string line(const double (&corner)[3], const dvec3& at) { return number(corner[0], at.x) + " " + number(corner[1], at.y) + " " + number(corner[2], at.z); }
+std::string line(const double (&corner)[3], const dvec3& at) {
+    return number(corner[0], at.x) + " " + number(corner[1], at.y) + " " + number(corner[2], at.z);
+}
 
 template <class T>
 void put(std::string& bytes, T value) {
@@ -103,7 +105,10 @@ std::vector<File> filesAt(const dvec3& at) {
         stl += "endloop\nendfacet\n";
     }
     const auto header = [](const char* format, const char* type) {
-        return fmt::format("ply\nformat {0} 1.0\nelement vertex 4\nproperty {1} x\nproperty {1} y\nproperty {1} z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n", format, type);
+        return fmt::format(
+            "ply\nformat {0} 1.0\nelement vertex 4\nproperty {1} x\nproperty {1} y\nproperty {1} z\nelement face 1\nproperty list uchar "
+            "int vertex_indices\nend_header\n",
+            format, type);
     };
     put(binary, uint8_t(4));
     for (int32_t i = 0; i < 4; ++i) put(binary, i);
@@ -180,8 +185,11 @@ TEST(MeshOrigin, APositionThatNoFaceNamesMovesNothing) {
 TEST(MeshOrigin, TransformsOfAFarMeshActOnTheFilesNumbers) {
     const TemporaryFolder folder;
     folder.write("m.obj", filesAt(kMap)[0].bytes);
-    const Scene scene = loadScene({folder.write("s.toml", "[[mesh]]\nname = 'm'\nfile = 'm.obj'\n[[object]]\nmesh = 'm'\n"
-                                                          "transform = [{ rotate_z = 180, about = 'centre' }, { scale = 2, about = 'centre' }, { translate = [-412345.67, -5287654.32, -412.44] }]\n")}, {});
+    const Scene scene = loadScene({folder.write("s.toml",
+                                                "[[mesh]]\nname = 'm'\nfile = 'm.obj'\n[[object]]\nmesh = 'm'\n"
+                                                "transform = [{ rotate_z = 180, about = 'centre' }, { scale = 2, about = 'centre' }, { "
+                                                "translate = [-412345.67, -5287654.32, -412.44] }]\n")},
+                                  {});
     const TriangleMesh& mesh = scene.meshes[0];
     const dvec3 centre = (mesh.statedMin + mesh.statedMax) * 0.5;
     const glm::dmat4 m = worldFromMesh(scene, scene.objects[0]);
@@ -213,7 +221,9 @@ TEST(Positions, StayNarrowUntilANumberNeedsMore) {
 
 TEST(Parsing, BinarySixtyFourKeepsWhatFloat32Loses) {
     const TemporaryFolder folder;
-    const auto read = [&](const std::string& x) { return readObj(folder.write("m.obj", "v " + x + " 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), {}).positions[0].x; };
+    const auto read = [&](const std::string& x) {
+        return readObj(folder.write("m.obj", "v " + x + " 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), {}).positions[0].x;
+    };
     EXPECT_EQ(read("5287654.3217"), 5287654.3217);
     EXPECT_EQ(read("1e30"), 1e30);
     EXPECT_EQ(read("1e-400"), std::numeric_limits<double>::denorm_min()) << "a number, for finishMesh to count";

@@ -3,9 +3,9 @@
 #include "shaders/shared/trace.h"
 #include "tests/support/scenes.h"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 
 namespace plumb::gpu {
 namespace {
@@ -41,11 +41,11 @@ TEST(HitSphere, FindsTheWorkedExample) {
 }
 
 TEST(HitSphere, HasTheCasesOfTheNotes) {
-    EXPECT_EQ(ask(vec3(0), kZ, {3, 0, 10}, 2).t, 0.0f);      // miss
-    EXPECT_EQ(ask(vec3(0), kZ, {2, 0, 10}, 2).t, 10.0f);     // graze: one root
-    EXPECT_EQ(ask({0, 0, 20}, kZ, {0, 0, 10}, 2).t, 0.0f);   // behind: both roots negative
+    EXPECT_EQ(ask(vec3(0), kZ, {3, 0, 10}, 2).t, 0.0f);     // miss
+    EXPECT_EQ(ask(vec3(0), kZ, {2, 0, 10}, 2).t, 10.0f);    // graze: one root
+    EXPECT_EQ(ask({0, 0, 20}, kZ, {0, 0, 10}, 2).t, 0.0f);  // behind: both roots negative
     const SphereHit inside = ask({0, 0, 10}, kZ, {0, 0, 10}, 2);
-    EXPECT_EQ(inside.t, 2.0f);                               // roots -2 and 2
+    EXPECT_EQ(inside.t, 2.0f);  // roots -2 and 2
     EXPECT_EQ(inside.offset, vec3(0, 0, 2));
     const SphereHit front = ask(vec3(0), kZ, {0, 0, 10}, 2);
     EXPECT_EQ(front.t, 8.0f);
@@ -104,7 +104,8 @@ TEST(HitSphere, FarSpheresKeepTheirShape) {
     // Error of l: a few roundings of values of its own size; of h: that of l times l / h.
     const double bound = 32 * kUlp * (1 + 1 / h);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(hit.offset[i], l[i] - h * dd[i], bound);
-    EXPECT_GT(glm::length(hit.offset - hitSphere(vec3(0), d, c, 1, 0, kStartElsewhere, false, false).offset), 1e3f * float(bound)) << "the plain form is as good";
+    EXPECT_GT(glm::length(hit.offset - hitSphere(vec3(0), d, c, 1, 0, kStartElsewhere, false, false).offset), 1e3f * float(bound))
+        << "the plain form is as good";
 }
 
 TEST(PointOnLine, ItsErrorTermsAreNeverSubnormal) {
@@ -124,7 +125,7 @@ TEST(PowerAt, IsTheSquareOfTheDistanceWithoutThatOfTheRadius) {
     EXPECT_EQ(powerAt(vec3(0), kBelow, kPower), kPower);
     EXPECT_EQ(powerAt({0, -2, 0}, kBelow, kPower), 0.0f);
     EXPECT_EQ(powerAt({0, 1, 0}, kBelow, kPower), kPower + 2 * kHuge);
-    EXPECT_EQ(powerAt({1, 0, 0}, {3, 0, 0}, 5), 0.0f);     // r = 2
+    EXPECT_EQ(powerAt({1, 0, 0}, {3, 0, 0}, 5), 0.0f);  // r = 2
 }
 
 TEST(StartsClose, WhereEyeAndOriginAreWithinTwoRadii) {
@@ -166,7 +167,8 @@ TEST(HitSphere, AnOriginMovedInIsThatMuchFurtherFromTheFarSide) {
     EXPECT_NEAR(across.t, k + h, 16 * kUlp * (k + h));
     EXPECT_GT(k + h - 2 * k, 64 * kUlp * (k + h)) << "2 k is as good";
     EXPECT_NEAR(double(glm::length(glm::dvec3(across.offset))), double(kHuge), 16 * kUlp * double(kHuge));
-    EXPECT_NEAR(askClose({0, -2 - moved, 0}, d, kPower, kStartInside, false).t, 2 * k, 16 * kUlp * k) << "the plain form may not use its own h";
+    EXPECT_NEAR(askClose({0, -2 - moved, 0}, d, kPower, kStartInside, false).t, 2 * k, 16 * kUlp * k)
+        << "the plain form may not use its own h";
     // Just outside by rounding: 2 k, as ever.
     EXPECT_EQ(askClose({0, moved - 2, 0}, -kYAxis, kPower, kStartInside).t, 2 * (kHuge + moved));
 }
@@ -246,15 +248,19 @@ TEST(HitPlane, BoundsAreInclusive) {
     Slab s;
     s.bounds = {-1, 2, -3, 4};
     for (const vec3 in : {vec3(-1, 0, 0), vec3(2, 0, 0), vec3(0, -3, 0), vec3(0, 4, 0)}) EXPECT_EQ(s.from(in, kZ).t, 10.0f);
-    for (const vec3 out : {vec3(-1.001f, 0, 0), vec3(2.001f, 0, 0), vec3(0, -3.001f, 0), vec3(0, 4.001f, 0)}) EXPECT_EQ(s.from(out, kZ).t, 0.0f);
+    for (const vec3 out : {vec3(-1.001f, 0, 0), vec3(2.001f, 0, 0), vec3(0, -3.001f, 0), vec3(0, 4.001f, 0)})
+        EXPECT_EQ(s.from(out, kZ).t, 0.0f);
 }
 
 // Notes 18.3 with squares of 100: red is the first material. The notes' board is mirrored at Z = 0.
 TEST(OtherSquare, IsTheNotesBoard) {
-    const struct { float x, z; bool white; } points[] = {
-        {275, 450, false}, {-320, 380, true}, {0, 0, false}, {100, 0, false}, {100.5f, 0, true}, {200, 0, false}, {200.5f, 0, false}, {300, 0, false},
-        {-1, 0, true}, {-100, 0, true}, {-100.5f, 0, false}, {-200, 0, true}, {50, 100, false}, {50, 150, true}, {50, 200, false}, {50, -50, false},
-        {-50, -50, true}, {-150, -150, true}, {1e-9f, 50, false}, {-1e-9f, 50, true}, {399.999f, 50, true}};
+    const struct {
+        float x, z;
+        bool white;
+    } points[] = {{275, 450, false},  {-320, 380, true},  {0, 0, false},       {100, 0, false},  {100.5f, 0, true},   {200, 0, false},
+                  {200.5f, 0, false}, {300, 0, false},    {-1, 0, true},       {-100, 0, true},  {-100.5f, 0, false}, {-200, 0, true},
+                  {50, 100, false},   {50, 150, true},    {50, 200, false},    {50, -50, false}, {-50, -50, true},    {-150, -150, true},
+                  {1e-9f, 50, false}, {-1e-9f, 50, true}, {399.999f, 50, true}};
     for (const auto& p : points) EXPECT_EQ(otherSquare(p.x, p.z, 100, 1), p.white) << p.x << ", " << p.z;
     EXPECT_TRUE(otherSquare(50, -50, 100, 0));
     EXPECT_FALSE(otherSquare(50, 50, 100, 0));
@@ -422,7 +428,7 @@ TEST(HitTriangle, IsMetFromBothSidesInsideAndOnItsEdges) {
     const vec3 behind(0, 0, -20);
     EXPECT_EQ(hitTriangle(f, p0 + behind, p1 + behind, p2 + behind, false).t, 0.0f);
     const vec3 along(0, 4, 0);
-    EXPECT_EQ(hitTriangle(f, p0, p0 + along, p0 + 2.0f * along, false).t, 0.0f);  // no area
+    EXPECT_EQ(hitTriangle(f, p0, p0 + along, p0 + 2.0f * along, false).t, 0.0f);            // no area
     const TriangleHit edgeOn = hitTriangle(f, {0, -1, 10}, {0, 1, 10}, {0, 3, 10}, false);  // no area, and the ray goes through it
     EXPECT_EQ(edgeOn.t, 0.0f);
     EXPECT_EQ(edgeOn.w0, 0.0f);

@@ -4,10 +4,10 @@
 #include "shaders/shared/trace.h"
 #include "tests/support/ray_scenes.h"
 
-#include <cstdint>
-#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <set>
 #include <vector>
 
@@ -115,9 +115,7 @@ TEST(Sampling, CornersAreSharedByFourPixels) {
     for (uint32_t y = 1; y < request.height; ++y)
         for (uint32_t x = 1; x < request.width; ++x)
             for (uint32_t k = 0; k < 3; ++k) {
-                const auto at = [&](uint32_t i, uint32_t j) {
-                    return lowerRight.frame.linear[3 * (size_t(j) * request.width + i) + k];
-                };
+                const auto at = [&](uint32_t i, uint32_t j) { return lowerRight.frame.linear[3 * (size_t(j) * request.width + i) + k]; };
                 const float mean = (((at(x - 1, y - 1) + at(x, y - 1)) + at(x - 1, y)) + at(x, y)) * 0.25f;
                 ASSERT_EQ(mean, shared.frame.linear[3 * (size_t(y) * request.width + x) + k]) << x << ", " << y;
             }
@@ -135,8 +133,7 @@ TEST(Sampling, WhereCornersDifferThereAreTheSixteenSamples) {
     const RenderResult adaptive = renderCpu(scene, request);
     uint64_t fine = 0, coarse = 0;
     for (size_t i = 0; i < corners.rgba.size(); ++i) {
-        const bool isFine = adaptive.frame.rgba[i] == sixteen.rgba[i],
-                   isCoarse = adaptive.frame.rgba[i] == corners.rgba[i];
+        const bool isFine = adaptive.frame.rgba[i] == sixteen.rgba[i], isCoarse = adaptive.frame.rgba[i] == corners.rgba[i];
         EXPECT_TRUE(isFine || isCoarse) << i;
         fine += isFine && !isCoarse;
         coarse += isCoarse && !isFine;
@@ -144,8 +141,7 @@ TEST(Sampling, WhereCornersDifferThereAreTheSixteenSamples) {
     EXPECT_GT(fine, 0u);
     EXPECT_GT(coarse, 0u);
     EXPECT_GE(adaptive.counters.refinedPixels, fine);
-    EXPECT_EQ(rays(adaptive),
-              uint64_t(request.width + 1) * (request.height + 1) + 16 * adaptive.counters.refinedPixels);
+    EXPECT_EQ(rays(adaptive), uint64_t(request.width + 1) * (request.height + 1) + 16 * adaptive.counters.refinedPixels);
     request.bandRows = 5;
     const RenderResult bands = renderCpu(scene, request);
     EXPECT_EQ(bands.frame.rgba, adaptive.frame.rgba);
@@ -166,9 +162,8 @@ TEST(Sampling, NoiseIsTheSeedsAndNothingElses) {
     const Frame plain = renderCpu(scene, request).frame;
     request.rays.seed = 9;
     EXPECT_EQ(renderCpu(scene, request).frame.rgba, plain.rgba) << "a seed without noise changes nothing";
-    for (const auto& set :
-         {+[](RayChoices& r) { r.sampling = Sampling::random; }, +[](RayChoices& r) { r.jitterReflect = 0.05f; },
-          +[](RayChoices& r) { r.jitterRefract = 0.05f; }, +[](RayChoices& r) { r.jitterShadow = 0.05f; }}) {
+    for (const auto& set : {+[](RayChoices& r) { r.sampling = Sampling::random; }, +[](RayChoices& r) { r.jitterReflect = 0.05f; },
+                            +[](RayChoices& r) { r.jitterRefract = 0.05f; }, +[](RayChoices& r) { r.jitterShadow = 0.05f; }}) {
         request.rays = {};
         set(request.rays);
         const Frame noisy = renderCpu(scene, request).frame;

@@ -2,9 +2,9 @@
 // The report stays one small file whatever goes in. What a reader sees of it is tested in a browser (tests/browser).
 #include "pipeline/report/report.h"
 
+#include <gtest/gtest.h>
 #include <cstddef>
 #include <cstdint>
-#include <gtest/gtest.h>
 #include <string>
 #include <vector>
 
@@ -24,8 +24,7 @@ ReportPicture noise(const std::string& choice, uint32_t width, uint32_t height, 
 
 Json rowsOf(size_t count) {
     Json m = {{"schema", "plumb-measure-1"}, {"rows", Json::array()}};
-    for (size_t i = 0; i < count; ++i)
-        m["rows"].push_back({{"axis", "axis"}, {"choice", std::to_string(i)}, {"onFront", i == 7}});
+    for (size_t i = 0; i < count; ++i) m["rows"].push_back({{"axis", "axis"}, {"choice", std::to_string(i)}, {"onFront", i == 7}});
     return m;
 }
 
@@ -37,8 +36,7 @@ Json shownBy(const std::string& html) {
 
 TEST(Report, StaysSmallAndSaysWhatIsLeftOut) {
     std::vector<ReportPicture> pictures;
-    for (uint32_t i = 0; i < 10; ++i)
-        pictures.push_back(noise(std::to_string(i), 400, 300, i + 1));  // noise does not compress
+    for (uint32_t i = 0; i < 10; ++i) pictures.push_back(noise(std::to_string(i), 400, 300, i + 1));  // noise does not compress
     const std::string html = reportHtml(rowsOf(10), noise("", 400, 300, 99), pictures);
     EXPECT_LT(html.size(), kMostReportBytes);
     const Json shown = shownBy(html);
@@ -56,8 +54,8 @@ TEST(Report, KeepsOnePictureForRowsThatShareIt) {
 }
 
 TEST(Report, ThinsLargePictures) {
-    const Json shown = shownBy(
-        reportHtml(rowsOf(0), ReportPicture{"", "", 1920, 1081, std::vector<uint32_t>(1920 * 1081, 0xff102030u)}, {}));
+    const Json shown =
+        shownBy(reportHtml(rowsOf(0), ReportPicture{"", "", 1920, 1081, std::vector<uint32_t>(1920 * 1081, 0xff102030u)}, {}));
     EXPECT_EQ(shown["every"], 3);
     EXPECT_EQ(shown["size"], Json({640, 361}));
 }

@@ -3,14 +3,14 @@
 #include "host/error.h"
 #include "pipeline/scene/load.h"
 
+#include <fmt/core.h>
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 #include <map>
 #include <random>
 #include <set>
@@ -108,8 +108,13 @@ TEST(SceneFinish, ConcaveFacesAreTiledInTheirOwnPlane) {
     };
     const dvec3 origins[] = {{0, 0, 0}, {5, -3, 2}};
     for (const auto& [name, outline] : outlines)
-        for (const auto& [u, v] : std::vector<std::pair<dvec3, dvec3>>{{{1, 0, 0}, {0, 1, 0}}, {{0, 1, 0}, {1, 0, 0}}, {{0, 0, 1}, {1, 0, 0}}, {{0, 1, 0}, {0, 0, 1}},
-                                                                        {{0, 0, -1}, {0, 1, 0}}, {{0.5, 0, 0.25}, {-0.125, 0.5, 0.25}}, {{64, 32, 0}, {0, -32, 8}}})
+        for (const auto& [u, v] : std::vector<std::pair<dvec3, dvec3>>{{{1, 0, 0}, {0, 1, 0}},
+                                                                       {{0, 1, 0}, {1, 0, 0}},
+                                                                       {{0, 0, 1}, {1, 0, 0}},
+                                                                       {{0, 1, 0}, {0, 0, 1}},
+                                                                       {{0, 0, -1}, {0, 1, 0}},
+                                                                       {{0.5, 0, 0.25}, {-0.125, 0.5, 0.25}},
+                                                                       {{64, 32, 0}, {0, -32, 8}}})
             for (const dvec3& origin : origins)
                 for (size_t turn = 0; turn < outline.size(); ++turn) {
                     std::vector<dvec2> turned(outline.begin() + long(turn), outline.end());
@@ -120,11 +125,11 @@ TEST(SceneFinish, ConcaveFacesAreTiledInTheirOwnPlane) {
 }
 
 TEST(SceneFinish, RandomSimplePolygonsAreTiled) {
-    std::mt19937 random(20260801);   // the distribution below is ours: std's differ between libraries
+    std::mt19937 random(20260801);  // the distribution below is ours: std's differ between libraries
     const auto unit = [&] { return double(random() >> 8) / double(1 << 24); };
     for (int n = 4; n < 60; ++n)
         for (int round = 0; round < 20; ++round) {
-            std::vector<vec3> outline;   // star-shaped, so simple; a third of the corners reflex
+            std::vector<vec3> outline;  // star-shaped, so simple; a third of the corners reflex
             for (int i = 0; i < n; ++i) {
                 const double angle = 2 * kPi * (i + 0.8 * unit()) / n, radius = 0.2 + unit();
                 outline.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
@@ -170,8 +175,9 @@ TEST(SceneFinish, SelfCrossingFacesAreCutAsFansAndCounted) {
 }
 
 TEST(SceneFinish, FacesWithoutAreaAreCountedAndKeepTheirNumber) {
-    const PolygonMesh in = polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}, {0.3f, 0.3f, 0.3f}},
-                                    {{0, 1, 2}, {0, 0, 3}, {0, 1, 3}, {1, 1, 1}, {4, 5, 6}});
+    const PolygonMesh in =
+        polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}, {0.3f, 0.3f, 0.3f}},
+                 {{0, 1, 2}, {0, 0, 3}, {0, 1, 3}, {1, 1, 1}, {4, 5, 6}});
     const TriangleMesh mesh = finish(in);
     // 0.1f, 0.2f, 0.3f are not quite in proportion, but on one line all the same: x = y = z.
     EXPECT_EQ(mesh.degenerateFaces, 4u);
@@ -203,7 +209,8 @@ TEST(SceneFinish, ACubeHasCreasesAndASphereHasNone) {
 
     LoadOptions options;
     std::vector<Material> materials(1);
-    const TriangleMesh sphere = finishMesh(readPly(std::string(PLUMB_SOURCE_DIR) + "/scenes/procedural/icosphere.ply", options), materials, 0, options);
+    const TriangleMesh sphere =
+        finishMesh(readPly(std::string(PLUMB_SOURCE_DIR) + "/scenes/procedural/icosphere.ply", options), materials, 0, options);
     EXPECT_EQ(sphere.positions.size(), 2562u) << "10 * 4^4 + 2: no vertex is split";
     for (size_t v = 0; v < sphere.positions.size(); ++v) {
         // Faces of 2.2 degrees' radius; the mean's error is of second order: far below a quarter of a degree.
@@ -224,10 +231,13 @@ TEST(SceneFinish, CuttingAFaceInTwoLeavesItsNormalsAlone) {
         }
         const TriangleMesh triangles = finish(polygons(kCube, cut), 100);
         std::map<std::array<float, 3>, vec3> normalAt;
-        for (size_t v = 0; v < quads.positions.size(); ++v) normalAt[{quads.positions[v].x, quads.positions[v].y, quads.positions[v].z}] = quads.normals[v];
+        for (size_t v = 0; v < quads.positions.size(); ++v)
+            normalAt[{quads.positions[v].x, quads.positions[v].y, quads.positions[v].z}] = quads.normals[v];
         ASSERT_EQ(triangles.positions.size(), 8u);
         for (size_t v = 0; v < 8; ++v)
-            EXPECT_GT(glm::dot(dvec3(triangles.normals[v]), dvec3(normalAt[{triangles.positions[v].x, triangles.positions[v].y, triangles.positions[v].z}])), 1 - 1e-6);
+            EXPECT_GT(glm::dot(dvec3(triangles.normals[v]),
+                               dvec3(normalAt[{triangles.positions[v].x, triangles.positions[v].y, triangles.positions[v].z}])),
+                      1 - 1e-6);
     }
 }
 
@@ -235,7 +245,8 @@ TEST(SceneFinish, TheCreaseAngleIsTheAngleBetweenNormals) {
     // Two squares that share the edge x = 0 and meet at `degrees` between their normals.
     for (const double degrees : {5.0, 30.0, 59.0, 61.0, 89.0, 120.0}) {
         const float c = float(std::cos(degrees * kPi / 180)), s = float(std::sin(degrees * kPi / 180));
-        const TriangleMesh mesh = finish(polygons({{-1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {-1, 1, 0}, {c, 0, -s}, {c, 1, -s}}, {{0, 1, 2, 3}, {1, 4, 5, 2}}));
+        const TriangleMesh mesh =
+            finish(polygons({{-1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {-1, 1, 0}, {c, 0, -s}, {c, 1, -s}}, {{0, 1, 2, 3}, {1, 4, 5, 2}}));
         EXPECT_EQ(mesh.positions.size(), degrees < 60 ? 6u : 8u) << degrees;
         EXPECT_EQ(mesh.edges.size(), 7u);
     }
@@ -276,12 +287,15 @@ TEST(SceneFinish, PositionsOfEqualBitsAreOnePlace) {
 TEST(SceneFinish, VerticesAreDistinctAndFirstUsedFirst) {
     LoadOptions options;
     std::vector<Material> materials(1);
-    const TriangleMesh mesh = finishMesh(readObj(std::string(PLUMB_SOURCE_DIR) + "/scenes/procedural/gear.obj", options), materials, 0, options);
+    const TriangleMesh mesh =
+        finishMesh(readObj(std::string(PLUMB_SOURCE_DIR) + "/scenes/procedural/gear.obj", options), materials, 0, options);
     std::set<std::array<uint32_t, 7>> seen;
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
         const vec3 &p = mesh.positions[v], &n = mesh.normals[v];
-        EXPECT_TRUE(seen.insert({std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z), std::bit_cast<uint32_t>(n.x),
-                                 std::bit_cast<uint32_t>(n.y), std::bit_cast<uint32_t>(n.z), mesh.vertexMaterial[v]}).second);
+        EXPECT_TRUE(
+            seen.insert({std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z),
+                         std::bit_cast<uint32_t>(n.x), std::bit_cast<uint32_t>(n.y), std::bit_cast<uint32_t>(n.z), mesh.vertexMaterial[v]})
+                .second);
     }
     EXPECT_EQ(materials.size(), 2u);
     EXPECT_EQ(mesh.faceMaterial[0], 1u) << "after those that were there";

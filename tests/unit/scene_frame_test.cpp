@@ -6,12 +6,12 @@
 #include "tests/support/plain_picture.h"
 #include "tests/support/temporary_folder.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fmt/core.h>
 #include <glm/glm.hpp>
 #include <string>
 #include <utility>
@@ -30,15 +30,16 @@ constexpr double kPi = 3.14159265358979323846;
 std::vector<fs::path> committedMeshes() {
     std::vector<fs::path> out;
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(PLUMB_SOURCE_DIR) / "scenes"))
-        if (const std::string extension = entry.path().extension().string(); extension == ".obj" || extension == ".ply" || extension == ".stl" || extension == ".off")
+        if (const std::string extension = entry.path().extension().string();
+            extension == ".obj" || extension == ".ply" || extension == ".stl" || extension == ".off")
             out.push_back(entry.path());
     std::sort(out.begin(), out.end());
     return out;
 }
 
 struct Extent {
-    dvec2 least{1e300}, most{-1e300};   // pixels
-    double nearest = 1e300;             // planar depth
+    dvec2 least{1e300}, most{-1e300};  // pixels
+    double nearest = 1e300;            // planar depth
 };
 
 Extent extentOf(const Scene& scene, double width, double height) {
@@ -117,7 +118,8 @@ TEST(SceneFrame, EveryCommittedMeshFillsItsPictureAndNeitherClipsNorIsCrushed) {
                 mean += (code.x + code.y + code.z) / 3.0;
             }
         const double cover = double(std::max(right - left, bottom - top) + 1) / std::min(kWidth, kHeight);
-        const std::string what = fmt::format("{}: {} pixels, {} black, {} clipped, mean {:.0f}, cover {:.2f}", path.filename().string(), drawn, black, clipped, mean / double(drawn), cover);
+        const std::string what = fmt::format("{}: {} pixels, {} black, {} clipped, mean {:.0f}, cover {:.2f}", path.filename().string(),
+                                             drawn, black, clipped, mean / double(drawn), cover);
         RecordProperty(path.filename().string(), what);
         EXPECT_GE(cover, 0.35) << what;
         EXPECT_LE(cover, 0.80) << what;
@@ -143,7 +145,7 @@ TEST(SceneFrame, DefaultLightsClipNoUsualMaterialAndLeaveNoVisibleSurfaceDark) {
         white.shininess = shininess;
         double brightest = 0, darkest = 1;
         for (int i = 0; i < 400; ++i)
-            for (int j = 0; j < 400; ++j) {   // normals over the half sphere toward the eye
+            for (int j = 0; j < 400; ++j) {  // normals over the half sphere toward the eye
                 const double a = 2 * kPi * i / 400, z = (j + 0.5) / 400;
                 const double r = std::sqrt(1 - z * z);
                 const dvec3 n = r * std::cos(a) * camera.right + r * std::sin(a) * camera.up + z * back;
@@ -170,9 +172,16 @@ TEST(SceneFrame, TheSidesOfABoxAreToldApartByTheirBrightness) {
 
 TEST(SceneFrame, ViewsLookFromWhereTheySay) {
     Scene scene = loadScene({fs::path(PLUMB_SOURCE_DIR) / "scenes/procedural/icosphere.ply"}, {});
-    const std::pair<const char*, dvec3> rows[] = {
-        {"front", {0, 0, 1}}, {"back", {0, 0, -1}}, {"right", {1, 0, 0}}, {"left", {-1, 0, 0}}, {"top", {0, 1, 0}}, {"bottom", {0, -1, 0}},
-        {"90,0", {1, 0, 0}}, {"0,90", {0, 1, 0}}, {"iso", glm::normalize(dvec3(1, 1, 1))}, {"", {0.469846310392954, 0.342020143325669, 0.813797681349374}}};
+    const std::pair<const char*, dvec3> rows[] = {{"front", {0, 0, 1}},
+                                                  {"back", {0, 0, -1}},
+                                                  {"right", {1, 0, 0}},
+                                                  {"left", {-1, 0, 0}},
+                                                  {"top", {0, 1, 0}},
+                                                  {"bottom", {0, -1, 0}},
+                                                  {"90,0", {1, 0, 0}},
+                                                  {"0,90", {0, 1, 0}},
+                                                  {"iso", glm::normalize(dvec3(1, 1, 1))},
+                                                  {"", {0.469846310392954, 0.342020143325669, 0.813797681349374}}};
     for (const auto& [view, direction] : rows) {
         const Camera camera = frameCamera(scene, 1, view);
         // The vertices of the sphere are not quite symmetric about the direction, and the eye is fitted to them.
@@ -208,7 +217,8 @@ TEST(SceneFrame, AnyAxisMayBeUpAndTheWorldLeftHanded) {
     EXPECT_NEAR(glm::length(frameCamera(scene, 1, "front").forward - dvec3(0, 1, 0)), 0, 1e-12) << "+Z up: the front is -Y";
     scene.up = {0, 1, 0};
     scene.leftHanded = true;
-    EXPECT_NEAR(glm::length(frameCamera(scene, 1, "front").forward - dvec3(0, 0, 1)), 0, 1e-12) << "left-handed: the notes' viewer at (0, 0, -d)";
+    EXPECT_NEAR(glm::length(frameCamera(scene, 1, "front").forward - dvec3(0, 0, 1)), 0, 1e-12)
+        << "left-handed: the notes' viewer at (0, 0, -d)";
 }
 
 TEST(SceneFrame, ObjectsFarOutLargeSmallFlatOrSinglePointsAreFramed) {

@@ -5,20 +5,20 @@
 #include "pipeline/scene/load.h"
 #include "tests/support/temporary_folder.h"
 
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fmt/core.h>
 #include <fstream>
 #include <functional>
-#include <gtest/gtest.h>
 #include <iterator>
 #include <set>
 #include <string>
 #include <string_view>
-#include <sys/stat.h>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -193,7 +193,10 @@ std::vector<std::pair<std::string, std::string>> largeFiles(uint32_t side) {
     }
     return {{"a.obj", obj + objFaces},
             {"a.off", fmt::format("OFF\n{} {} 0\n", n, f) + vertices + offFaces},
-            {"a.ply", fmt::format("ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n", n, f) + vertices + offFaces},
+            {"a.ply", fmt::format("ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement "
+                                  "face {}\nproperty list uchar int vertex_indices\nend_header\n",
+                                  n, f) +
+                          vertices + offFaces},
             {"a.stl", binaryStl(2 * f)},
             {"a.toml", "[[mesh]]\nname = \"m\"\nvertices = [\n" + tomlVertices + "]\nfaces = [\n" + tomlFaces + "]\n"}};
 }
@@ -213,7 +216,9 @@ TEST(Progress, IsToldOfEveryFormatAndMayEndTheLoadAnywhere) {
             stages.insert(told[i].second);
             EXPECT_GE(told[i].first, 0) << name;
             EXPECT_LE(told[i].first, 1) << name;
-            if (i > 0 && told[i].second == told[i - 1].second) { EXPECT_GE(told[i].first, told[i - 1].first) << name << " step " << i; }
+            if (i > 0 && told[i].second == told[i - 1].second) {
+                EXPECT_GE(told[i].first, told[i - 1].first) << name << " step " << i;
+            }
         }
         EXPECT_EQ(stages, (std::set<std::string>{"finish", "parse", "read"})) << name;
         for (size_t end = 0; end < told.size(); end += std::max<size_t>(1, told.size() / 20)) {

@@ -72,10 +72,14 @@ TEST(SceneMeshFiles, RealOnesHaveTheCountsOfTheirSources) {
         size_t faces, triangles, edges;
     };
     // Counted in the files by a few lines of Python (undirected pairs of distinct positions), or by construction.
-    const Row rows[] = {{"suzanne/suzanne.obj", 3936, 3936, 5946},   {"cornell/cornell_box.obj", 17, 34, 36},
-                        {"mug/mug.obj", 24544, 24544, 36816},        {"apple/apple.ply", 1704, 1704, 2568},
-                        {"procedural/icosphere.ply", 20 * 256, 20 * 256, 30 * 256}, {"procedural/menger.off", 1056, 2112, 2112},
-                        {"procedural/gear.obj", 98, 2 * 94 + 2 * 96, 288}, {"procedural/slivers.stl", 1010, 1010, 2025},
+    const Row rows[] = {{"suzanne/suzanne.obj", 3936, 3936, 5946},
+                        {"cornell/cornell_box.obj", 17, 34, 36},
+                        {"mug/mug.obj", 24544, 24544, 36816},
+                        {"apple/apple.ply", 1704, 1704, 2568},
+                        {"procedural/icosphere.ply", 20 * 256, 20 * 256, 30 * 256},
+                        {"procedural/menger.off", 1056, 2112, 2112},
+                        {"procedural/gear.obj", 98, 2 * 94 + 2 * 96, 288},
+                        {"procedural/slivers.stl", 1010, 1010, 2025},
                         {"procedural/torus.obj", 2304, 2304, 3456}};
     for (const Row& row : rows) {
         const TriangleMesh mesh = finish(readMesh(kScenes / row.path));
@@ -151,13 +155,15 @@ TEST(SceneMeshFiles, ObjColoursAreReadAndNamedAsNotDrawn) {
 }
 
 TEST(SceneMeshFiles, ObjSmoothingGroupsAreKept) {
-    const PolygonMesh mesh = readText("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ns 7\nf 1 2 3\ns off\nf 1 2 3\ns 0\nf 1 2 3\ns on\nf 1 2 3\n");
+    const PolygonMesh mesh =
+        readText("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ns 7\nf 1 2 3\ns off\nf 1 2 3\ns 0\nf 1 2 3\ns on\nf 1 2 3\n");
     EXPECT_EQ(mesh.faceSmoothing, (std::vector<uint32_t>{kNone, 7, 0, 0, 1}));
     EXPECT_TRUE(readText("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").faceSmoothing.empty());
 }
 
 TEST(SceneMeshFiles, ObjNamesEachKindOfUndrawnThingOnce) {
-    const PolygonMesh mesh = readText("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\np 1\nl 2 3\ncurv 0 1 1 2\ncurv 0 1 1 2\nvp 1 2\ng a b\no c\nf 1 2 3\n");
+    const PolygonMesh mesh =
+        readText("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\np 1\nl 2 3\ncurv 0 1 1 2\ncurv 0 1 1 2\nvp 1 2\ng a b\no c\nf 1 2 3\n");
     EXPECT_EQ(mesh.ignored, (std::vector<std::string>{"lines (l)", "points (p)", "OBJ statement curv", "OBJ statement vp"}));
 }
 
@@ -165,10 +171,13 @@ const std::string kTriangleOf = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
 TEST(SceneMeshFiles, MtlGivesPhongMaterials) {
     const TemporaryFolder folder;
-    folder.write("a.mtl",
-                 "# two\r\nnewmtl red one\r\n  Ka 0.1 0.2 0.3\r\n\tKd 1 0 0\r\nKs 0.5\r\nKe 0 0 0.25\r\nNs 96.5\r\nNi 1.45\r\nd 0.75\r\nillum 2\r\n"
-                 "map_Kd brick.png\r\nmap_Kd -s 1 1 1 wall.png\r\nnewmtl flat\r\nKs 1 1 1\r\nTr 0.25\r\nillum 1\r\nnewmtl unused\r\nKd 7 7 7\r\n");
-    const PolygonMesh mesh = readObj(folder.write("m.obj", kTriangleOf + "f 1 2 3\nusemtl flat\nmtllib a.mtl\nf 1 2 3\nusemtl red one\nf 1 2 3\nusemtl flat\nf 1 2 3\n"), {});
+    folder.write(
+        "a.mtl",
+        "# two\r\nnewmtl red one\r\n  Ka 0.1 0.2 0.3\r\n\tKd 1 0 0\r\nKs 0.5\r\nKe 0 0 0.25\r\nNs 96.5\r\nNi 1.45\r\nd 0.75\r\nillum 2\r\n"
+        "map_Kd brick.png\r\nmap_Kd -s 1 1 1 wall.png\r\nnewmtl flat\r\nKs 1 1 1\r\nTr 0.25\r\nillum 1\r\nnewmtl unused\r\nKd 7 7 7\r\n");
+    const PolygonMesh mesh = readObj(
+        folder.write("m.obj", kTriangleOf + "f 1 2 3\nusemtl flat\nmtllib a.mtl\nf 1 2 3\nusemtl red one\nf 1 2 3\nusemtl flat\nf 1 2 3\n"),
+        {});
     EXPECT_EQ(mesh.faceMaterial, (std::vector<uint32_t>{kNone, 0, 1, 0})) << "materials in order of use";
     ASSERT_EQ(mesh.materials.size(), 2u);
     EXPECT_EQ(mesh.materials[0].name, "flat");
@@ -204,7 +213,9 @@ TEST(SceneMeshFiles, MaterialLibrariesMayBeSeveralAndHaveBlanksInTheirNames) {
     folder.write("b.mtl", "newmtl b\nKd 0.2 0.2 0.2\nnewmtl a\nKd 0.9 0.9 0.9\n");
     folder.write("with blanks.mtl", "newmtl c\nKd 0.3 0.3 0.3\n");
     const PolygonMesh mesh = readObj(
-        folder.write("m.obj", kTriangleOf + "mtllib a.mtl b.mtl\nmtllib with blanks.mtl\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n"), {});
+        folder.write("m.obj",
+                     kTriangleOf + "mtllib a.mtl b.mtl\nmtllib with blanks.mtl\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n"),
+        {});
     ASSERT_EQ(mesh.materials.size(), 3u);
     EXPECT_EQ(mesh.materials[0].diffuse.x, 0.1f) << "the first definition of a name counts";
     EXPECT_EQ(mesh.materials[1].diffuse.x, 0.2f);
@@ -214,7 +225,8 @@ TEST(SceneMeshFiles, MaterialLibrariesMayBeSeveralAndHaveBlanksInTheirNames) {
 
 TEST(SceneMeshFiles, AMissingMaterialLibraryIsOneCountedWarning) {
     const TemporaryFolder folder;
-    const fs::path path = folder.write("m.obj", kTriangleOf + "mtllib none.mtl\nmtllib also.mtl\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nf 1 2 3\n");
+    const fs::path path =
+        folder.write("m.obj", kTriangleOf + "mtllib none.mtl\nmtllib also.mtl\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nf 1 2 3\n");
     const PolygonMesh mesh = readObj(path, {});
     ASSERT_EQ(mesh.warnings.size(), 1u);
     EXPECT_EQ(mesh.warnings[0], path.string() + ":4:8: material library 'none.mtl' is missing; 3 faces have the default material");
@@ -251,7 +263,8 @@ std::string binaryStl(const std::string& header, const std::vector<std::array<fl
 
 TEST(SceneMeshFiles, StlIsToldApartBySizeNotByTheWordSolid) {
     const std::string ascii =
-        "solid a name with facet in it\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1 0\n  endloop\n endfacet\nendsolid a name\n";
+        "solid a name with facet in it\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1 0\n  endloop\n "
+        "endfacet\nendsolid a name\n";
     EXPECT_EQ(readText("m.stl", ascii).positions, (std::vector<vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
     EXPECT_EQ(readText("m.stl", binaryStl("solid by a bad exporter", {{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}})).positions,
               (std::vector<vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
@@ -285,8 +298,10 @@ TEST(SceneMeshFiles, OffTakesItsHeadersAndComments) {
 
 TEST(SceneMeshFiles, PlyTakesAnyTypesInAnyOrder) {
     const std::string ascii =
-        "ply\nformat ascii 1.0\ncomment made by hand\nobj_info x\nelement material 2\nproperty uchar r\nproperty list short double weights\n"
-        "element vertex 3\nproperty uchar blue\nproperty double z\nproperty float32 nz\nproperty float x\nproperty float nx\nproperty uint8 red\n"
+        "ply\nformat ascii 1.0\ncomment made by hand\nobj_info x\nelement material 2\nproperty uchar r\nproperty list short double "
+        "weights\n"
+        "element vertex 3\nproperty uchar blue\nproperty double z\nproperty float32 nz\nproperty float x\nproperty float nx\nproperty "
+        "uint8 red\n"
         "property float ny\nproperty short y\nproperty uint8 green\nproperty list uchar uchar tags\nelement face 1\nproperty uchar flags\n"
         "property list ushort uint32 vertex_index\nelement edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
         "9 2 0.5 1e300\n7 0\n255 0 1 0 0 51 0 0 0 0\n0 0 1 1 0 0 0 0 255 1 4\n0 0 1 0 0 0 0 1 0 2 5 6\n4 3 0 1 2\n0 1\n";
@@ -296,7 +311,7 @@ TEST(SceneMeshFiles, PlyTakesAnyTypesInAnyOrder) {
     EXPECT_EQ(mesh.colours[0], vec3(0.2f, 0, 1));
     EXPECT_EQ(mesh.corners[2].position, 2u);
     EXPECT_EQ(mesh.corners[2].normal, 2u);
-    EXPECT_EQ(mesh.ignored.size(), 5u);   // material, tags, flags, edge, colours
+    EXPECT_EQ(mesh.ignored.size(), 5u);  // material, tags, flags, edge, colours
 
     for (const bool big : {false, true}) {
         std::string binary = ascii.substr(0, ascii.find("end_header\n") + 11);
@@ -333,8 +348,9 @@ TEST(SceneMeshFiles, PlyTakesAnyTypesInAnyOrder) {
 
 TEST(SceneMeshFiles, PlyFacesMayComeBeforeTheVertices) {
     const PolygonMesh mesh = readText("m.ply",
-        "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex 3\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n");
+                                      "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex "
+                                      "3\nproperty float x\nproperty float y\n"
+                                      "property float z\nend_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n");
     EXPECT_EQ(mesh.corners.size(), 3u);
 }
 
@@ -342,8 +358,8 @@ TEST(SceneMeshFiles, PlyDataThatBeginsLikeALineEndIsData) {
     // The first byte of the data is 0x0a, after each kind of line end.
     for (const std::string end : {"\n", "\r\n", "\r"}) {
         std::string bytes;
-        for (const char* line : {"ply", "format binary_little_endian 1.0", "element vertex 3", "property uchar x", "property uchar y", "property uchar z",
-                                 "element face 1", "property list uchar uchar vertex_indices", "end_header"})
+        for (const char* line : {"ply", "format binary_little_endian 1.0", "element vertex 3", "property uchar x", "property uchar y",
+                                 "property uchar z", "element face 1", "property list uchar uchar vertex_indices", "end_header"})
             bytes += line + end;
         for (char c : {10, 0, 0, 11, 0, 0, 10, 1, 0, 3, 0, 1, 2}) bytes += c;
         const PolygonMesh mesh = readText("m.ply", bytes);

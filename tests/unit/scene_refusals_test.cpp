@@ -6,6 +6,13 @@
 #include "pipeline/scene/text.h"
 #include "tests/support/temporary_folder.h"
 
+#include <fmt/core.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 #include <bit>
 #include <cctype>
 #include <chrono>
@@ -13,7 +20,6 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fmt/core.h>
 #include <functional>
 #include <glm/glm.hpp>
 #include <limits>
@@ -21,12 +27,6 @@
 #include <map>
 #include <string>
 #include <string_view>
-#include <sys/mman.h>
-#include <sys/resource.h>
-#include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -66,7 +66,8 @@ fs::path writeScratch(const std::string& name, const std::string& bytes) {
         file->second = memfd_create(name.c_str(), MFD_CLOEXEC);
         fs::create_symlink(fmt::format("/proc/self/fd/{}", file->second), path);
     }
-    if (ftruncate(file->second, 0) != 0 || pwrite(file->second, bytes.data(), bytes.size(), 0) != ssize_t(bytes.size())) ADD_FAILURE() << name;
+    if (ftruncate(file->second, 0) != 0 || pwrite(file->second, bytes.data(), bytes.size(), 0) != ssize_t(bytes.size()))
+        ADD_FAILURE() << name;
     return path;
 }
 
@@ -103,10 +104,12 @@ void put(std::string& bytes, T value) {
     bytes.append(raw, sizeof(T));
 }
 
-const std::string kVertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";   // lines 1 to 3
-const std::string kSolid = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n";
-const std::string kPlyHeader = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                               "element face 1\nproperty list uchar int vertex_indices\nend_header\n";   // 9 lines
+const std::string kVertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";  // lines 1 to 3
+const std::string kSolid =
+    "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n";
+const std::string kPlyHeader =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n";  // 9 lines
 const std::string kPlyBody = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 const std::string kOff = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
@@ -136,7 +139,7 @@ std::string binaryPly(bool big = false) {
 struct Bad {
     const char* name;
     std::string bytes;
-    const char* message;   // how the message begins: place and field
+    const char* message;  // how the message begins: place and field
 };
 
 TEST(SceneRefusals, NameThePlaceAndTheField) {
@@ -163,7 +166,8 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
         {"a.obj", kVertices + "f 1 2 0\n", "a.obj:4:7: face corner: the vertex index is 0"},
         {"a.obj", kVertices + "f 1 2 4\n", "a.obj:4:7: face corner: the vertex index is out of range; 3 are defined"},
         {"a.obj", kVertices + "f 1 2 -4\n", "a.obj:4:7: face corner: the vertex index is out of range; 3 are defined so far"},
-        {"a.obj", kVertices + "f 1 2 99999999999999999999\n", "a.obj:4:7: face corner '99999999999999999999': the vertex index is not an integer"},
+        {"a.obj", kVertices + "f 1 2 99999999999999999999\n",
+         "a.obj:4:7: face corner '99999999999999999999': the vertex index is not an integer"},
         {"a.obj", kVertices + "f 1 2 4294967295\n", "a.obj:4:7: face corner: the vertex index is out of range"},
         {"a.obj", kVertices + "f 1 2 3.5\n", "a.obj:4:7: face corner '3.5' is not v, v/vt, v//vn or v/vt/vn"},
         {"a.obj", kVertices + "f 1 2 x\n", "a.obj:4:7: face corner 'x': the vertex index is not an integer"},
@@ -182,7 +186,8 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
         {"a.stl", "", "a.stl: byte 0: the file ends inside the header"},
         {"a.stl", "garbage", "a.stl: byte 7: the file ends inside the header"},
         {"a.stl", std::string(84, '\0'), "a.stl: byte 80: facet count is 0"},
-        {"a.stl", std::string(80, 'h') + std::string("\xff\xff\xff\xff", 4), "a.stl: byte 80: facet count is 4294967295, which takes 214748364834 bytes; the file has 84"},
+        {"a.stl", std::string(80, 'h') + std::string("\xff\xff\xff\xff", 4),
+         "a.stl: byte 80: facet count is 4294967295, which takes 214748364834 bytes; the file has 84"},
         {"a.stl", binarySolid() + "x", "a.stl: byte 80: facet count is 1, which takes 134 bytes; the file has 135"},
         {"a.stl", "solid s\nendsolid s\n", "a.stl:3:1: the file ends and has no face"},
         {"a.stl", "solid s\n", "a.stl:2:1: the file ends where 'facet' or 'endsolid' is expected"},
@@ -223,29 +228,37 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
         {"a.ply", replaced(kPlyHeader, "1.0", "2.0") + kPlyBody, "a.ply:2:14: format version is not 1.0"},
         {"a.ply", replaced(kPlyHeader, "vertex 3", "vertex three") + kPlyBody, "a.ply:3:16: element count 'three' is not an integer"},
         {"a.ply", replaced(kPlyHeader, "vertex 3", "vertex -3") + kPlyBody, "a.ply:3:16: element count is negative"},
-        {"a.ply", replaced(kPlyHeader, "vertex 3", "vertex 4000000000") + kPlyBody, "a.ply:3:16: element vertex has a count of 4000000000; the rest of the file holds at most 4"},
-        {"a.ply", replaced(kPlyHeader, "face 1", "face 9000000000000000000") + kPlyBody, "a.ply:7:14: element face has a count of 9000000000000000000"},
+        {"a.ply", replaced(kPlyHeader, "vertex 3", "vertex 4000000000") + kPlyBody,
+         "a.ply:3:16: element vertex has a count of 4000000000; the rest of the file holds at most 4"},
+        {"a.ply", replaced(kPlyHeader, "face 1", "face 9000000000000000000") + kPlyBody,
+         "a.ply:7:14: element face has a count of 9000000000000000000"},
         {"a.ply", replaced(kPlyHeader, "face 1", "face 0") + "0 0 0\n1 0 0\n0 1 0\n", "a.ply:7:14: element face has a count of 0"},
         {"a.ply", replaced(kPlyHeader, "element face 1", "element vertex 1") + kPlyBody, "a.ply:7:9: element 'vertex' is stated twice"},
         {"a.ply", replaced(kPlyHeader, "float y", "float x") + kPlyBody, "a.ply:5:16: property 'x' is stated twice"},
         {"a.ply", replaced(kPlyHeader, "float y", "real y") + kPlyBody, "a.ply:5:10: property type 'real' is not a type of PLY"},
         {"a.ply", replaced(kPlyHeader, "float z", "float w") + kPlyBody, "a.ply:9:1: the header has no element vertex with x, y and z"},
-        {"a.ply", replaced(kPlyHeader, "vertex_indices", "indices") + kPlyBody, "a.ply:9:1: the header has no element face with a list vertex_indices"},
-        {"a.ply", replaced(kPlyHeader, "list uchar int", "list float int") + kPlyBody, "a.ply:8:15: list count type is not an integer type"},
-        {"a.ply", replaced(kPlyHeader, "list uchar int", "list uchar float") + kPlyBody, "a.ply:8:27: property vertex_indices is not a list of integers"},
+        {"a.ply", replaced(kPlyHeader, "vertex_indices", "indices") + kPlyBody,
+         "a.ply:9:1: the header has no element face with a list vertex_indices"},
+        {"a.ply", replaced(kPlyHeader, "list uchar int", "list float int") + kPlyBody,
+         "a.ply:8:15: list count type is not an integer type"},
+        {"a.ply", replaced(kPlyHeader, "list uchar int", "list uchar float") + kPlyBody,
+         "a.ply:8:27: property vertex_indices is not a list of integers"},
         {"a.ply", "ply\nformat ascii 1.0\nproperty float x\n", "a.ply:3:1: property comes before the first element"},
         {"a.ply", replaced(kPlyHeader, "format", "formula") + kPlyBody, "a.ply:2:1: 'formula' is not a header keyword"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0\n", "a.ply:3:16: element vertex has a count of 3; the rest of the file holds at most 1"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n", "a.ply:12:3: vertex 2 property y is NaN"},
-        {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1e40 0\n3 0 1 2\n", "a.ply:12:3: vertex 2 property y is 1e+40; the largest magnitude is 1.26"},
+        {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1e40 0\n3 0 1 2\n",
+         "a.ply:12:3: vertex 2 property y is 1e+40; the largest magnitude is 1.26"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 zero 0\n3 0 1 2\n", "a.ply:12:3: vertex 2 property y 'zero' is not a number"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a.ply:13:7: face 0 property vertex_indices is 3; there are 3 vertices"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "a.ply:13:7: face 0 property vertex_indices is negative: -1"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "a.ply:13:1: face 0 property vertex_indices has 2 entries"},
-        {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n256 0 1 2\n", "a.ply:13:1: face 0 property vertex_indices is 256, which its type cannot hold"},
+        {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n256 0 1 2\n",
+         "a.ply:13:1: face 0 property vertex_indices is 256, which its type cannot hold"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n", "a.ply:14:1: face 0 property vertex_indices is missing"},
         {"a.ply", kPlyHeader + kPlyBody + "7\n", "a.ply:14:1: more data than the header says"},
-        {"a.ply", replaced(binaryPly(), "vertex 3", "vertex 4000000000"), "a.ply:3:16: element vertex has a count of 4000000000; the rest of the file holds at most 4"},
+        {"a.ply", replaced(binaryPly(), "vertex 3", "vertex 4000000000"),
+         "a.ply:3:16: element vertex has a count of 4000000000; the rest of the file holds at most 4"},
         {"a.ply", binaryPly().substr(0, binaryPly().size() - 1), "a.ply: byte "},
     };
     static_assert(std::size(rows) >= 60);
@@ -316,8 +329,10 @@ TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
         {"a.ply", kPlyHeader, " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "property x"},
         {"a.ply", kPlyHeader + "0 ", " 0\n1 0 0\n0 1 0\n3 0 1 2\n", "property y"},
         {"a.ply", kPlyHeader + "0 0 ", "\n1 0 0\n0 1 0\n3 0 1 2\n", "property z"},
-        {"a.ply", replaced(kPlyHeader, "element face", "property float nx\nelement face") + "0 0 0 ", "\n1 0 0 0\n0 1 0 0\n3 0 1 2\n", "property nx"},
-        {"a.ply", replaced(kPlyHeader, "element face", "property float red\nelement face") + "0 0 0 ", "\n1 0 0 0\n0 1 0 0\n3 0 1 2\n", "property red"},
+        {"a.ply", replaced(kPlyHeader, "element face", "property float nx\nelement face") + "0 0 0 ", "\n1 0 0 0\n0 1 0 0\n3 0 1 2\n",
+         "property nx"},
+        {"a.ply", replaced(kPlyHeader, "element face", "property float red\nelement face") + "0 0 0 ", "\n1 0 0 0\n0 1 0 0\n3 0 1 2\n",
+         "property red"},
     };
     for (const Field& field : fields)
         for (const char* value : {"nan", "-nan", "NaN", "inf", "-inf", "Infinity", "1e39", "-1e39", "1e31", "1e99999999999999999999"}) {
@@ -332,7 +347,8 @@ TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
             std::string bytes = binarySolid();
             std::memcpy(bytes.data() + 84 + 4 * number, &pattern, 4);
             const std::string got = refusal("a.stl", bytes);
-            const std::string what = number < 3 ? fmt::format("normal {}", "xyz"[number]) : fmt::format("vertex {} {}", number / 3, "xyz"[number % 3]);
+            const std::string what =
+                number < 3 ? fmt::format("normal {}", "xyz"[number]) : fmt::format("vertex {} {}", number / 3, "xyz"[number % 3]);
             EXPECT_TRUE(got.starts_with(fmt::format("a.stl: byte {}: {} is ", 84 + 4 * number, what))) << got;
         }
         for (const bool big : {false, true})
@@ -341,7 +357,8 @@ TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
                 const size_t at = bytes.find("end_header\n") + 11 + 4 * number;
                 const uint32_t raw = big ? __builtin_bswap32(pattern) : pattern;
                 std::memcpy(bytes.data() + at, &raw, 4);
-                EXPECT_TRUE(refusal("a.ply", bytes).starts_with(fmt::format("a.ply: byte {}: vertex {} property {} is ", at, number / 3, "xyz"[number % 3])));
+                EXPECT_TRUE(refusal("a.ply", bytes)
+                                .starts_with(fmt::format("a.ply: byte {}: vertex {} property {} is ", at, number / 3, "xyz"[number % 3])));
             }
     }
 }
@@ -349,12 +366,16 @@ TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
 // Small files of each kind, complete, none with an optional end that a cut could leave valid but different.
 std::vector<std::pair<std::string, std::string>> seeds() {
     return {
-        {"a.obj", "# c\nmtllib a.mtl\no n\nusemtl m\ns 1\n" + kVertices + "v 1 1 0 1 0 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 -2/1/1\nf -4//-1 -3//1 -1//1 \\\n -2//1\nl 1 2\n"},
+        {"a.obj", "# c\nmtllib a.mtl\no n\nusemtl m\ns 1\n" + kVertices +
+                      "v 1 1 0 1 0 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 -2/1/1\nf -4//-1 -3//1 -1//1 \\\n -2//1\nl 1 2\n"},
         {"a.stl", kSolid + kSolid},
         {"b.stl", binarySolid()},
-        {"a.off", "# c\nCNOFF # d\n4 2 0\n0 0 0 0 0 1 1 0 0\n1 0 0 0 0 1 1 0 0\n0 1 0 0 0 1 1 0 0\n1 1 1 0 0 1 0.5 0.5 0.5 1\n3 0 1 2\n4 0 1 3 2 255 0 0\n"},
-        {"a.ply", replaced(kPlyHeader, "element face", "comment x\nobj_info y\nproperty uchar red\nproperty list uchar double t\nelement face") +
-                      "0 0 0 9 0\n1 0 0 9 1 0.5\n0 1 0 9 0\n3 0 1 2\n"},
+        {"a.off",
+         "# c\nCNOFF # d\n4 2 0\n0 0 0 0 0 1 1 0 0\n1 0 0 0 0 1 1 0 0\n0 1 0 0 0 1 1 0 0\n1 1 1 0 0 1 0.5 0.5 0.5 1\n3 0 1 2\n4 0 1 3 2 "
+         "255 0 0\n"},
+        {"a.ply",
+         replaced(kPlyHeader, "element face", "comment x\nobj_info y\nproperty uchar red\nproperty list uchar double t\nelement face") +
+             "0 0 0 9 0\n1 0 0 9 1 0.5\n0 1 0 9 0\n3 0 1 2\n"},
         {"b.ply", binaryPly(false)},
         {"c.ply", binaryPly(true)},
     };
@@ -385,7 +406,7 @@ TEST(SceneRefusals, FilesCutAtEveryByteAreRefusedOrComplete) {
         for (size_t length = 0; length < bytes.size(); ++length, ++files) {
             const std::string cut = bytes.substr(0, length);
             const std::string got = expectRefusedOrSound(name, cut, fmt::format("{} cut to {} bytes", name, length));
-            if (name.ends_with(".obj")) continue;   // has no end that could be missing
+            if (name.ends_with(".obj")) continue;  // has no end that could be missing
             // Other formats say how much there is: accepted is only what lacks white space or a name at the very end.
             if (got.empty()) {
                 ++accepted;
@@ -424,9 +445,15 @@ TEST(SceneRefusals, HeaderLiesCostNoMemory) {
         EXPECT_NE(refusal("a.ply", replaced(kPlyHeader, "vertex 3", fmt::format("vertex {}", count)) + kPlyBody), "");
         EXPECT_NE(refusal("a.ply", replaced(kPlyHeader, "face 1", fmt::format("face {}", count)) + kPlyBody), "");
         EXPECT_NE(refusal("a.ply", replaced(binaryPly(), "face 1", fmt::format("face {}", count))), "");
-        EXPECT_NE(refusal("a.ply", replaced(replaced(kPlyHeader, "list uchar", "list int"), "ascii", "ascii") + replaced(kPlyBody, "3 0 1 2", fmt::format("{} 0 1 2", count))), "");
+        EXPECT_NE(refusal("a.ply", replaced(replaced(kPlyHeader, "list uchar", "list int"), "ascii", "ascii") +
+                                       replaced(kPlyBody, "3 0 1 2", fmt::format("{} 0 1 2", count))),
+                  "");
         // An element without properties takes no bytes, whatever its count; it must cost no time either.
-        EXPECT_EQ(refusal("a.ply", replaced(kPlyHeader, "end_header", fmt::format("element nothing {}\nend_header", std::string(count) == "99999999999999999999" ? "7" : count)) + kPlyBody), "");
+        EXPECT_EQ(refusal("a.ply", replaced(kPlyHeader, "end_header",
+                                            fmt::format("element nothing {}\nend_header",
+                                                        std::string(count) == "99999999999999999999" ? "7" : count)) +
+                                       kPlyBody),
+                  "");
     }
     getrusage(RUSAGE_SELF, &after);
     EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 16 * 1024) << "KiB";
@@ -467,7 +494,7 @@ TEST(SceneRefusals, OnlyRegularFilesAreOpened) {
     std::strncpy(address.sun_path, at("socket.obj").c_str(), sizeof(address.sun_path) - 1);
     ASSERT_EQ(bind(socketFd, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
     folder.write("large.ply", "ply\n");
-    fs::resize_file(at("large.ply"), kMaxFileBytes + 1);   // sparse
+    fs::resize_file(at("large.ply"), kMaxFileBytes + 1);  // sparse
     const std::pair<std::string, const char*> rows[] = {
         {"fifo.obj", "fifo.obj: is a FIFO, not a regular file"},
         {"folder.obj", "folder.obj: is a folder, not a regular file"},
@@ -514,16 +541,18 @@ TEST(SceneRefusals, ReferencesStayInTheFolderOfTheFileThatNamesThem) {
         return refusalOf(outer, [&] { readObj(path, options); });
     };
     const std::string longName(4096, 'n');
-    for (const std::string& library : {std::string("../secret.mtl"), std::string("sub/../../secret.mtl"), std::string("sub/../sub/a.mtl"), std::string("/etc/passwd"),
-                                       (outer.path() / "secret.mtl").string(), std::string("link.mtl"), std::string("up/secret.mtl"),
-                                       std::string("up/inside2/a.mtl"), std::string("zero.mtl"), std::string("..")}) {
+    for (const std::string& library :
+         {std::string("../secret.mtl"), std::string("sub/../../secret.mtl"), std::string("sub/../sub/a.mtl"), std::string("/etc/passwd"),
+          (outer.path() / "secret.mtl").string(), std::string("link.mtl"), std::string("up/secret.mtl"), std::string("up/inside2/a.mtl"),
+          std::string("zero.mtl"), std::string("..")}) {
         const std::string got = load(library, false);
         EXPECT_TRUE(got.starts_with("inside/a.obj:1:8: material library '")) << library << ": " << got;
         EXPECT_NE(got.find("--allow-outside"), std::string::npos) << got;
     }
     EXPECT_EQ(load("fifo.mtl", false), "inside/fifo.mtl: is a FIFO, not a regular file");
     EXPECT_EQ(load("sub", false), "inside/sub: is a folder, not a regular file");
-    for (const char* library : {"sub/a.mtl", "./sub/a.mtl", "inner.mtl", "missing.mtl", "\x1b[2J.mtl"}) EXPECT_EQ(load(library, false), "") << library;
+    for (const char* library : {"sub/a.mtl", "./sub/a.mtl", "inner.mtl", "missing.mtl", "\x1b[2J.mtl"})
+        EXPECT_EQ(load(library, false), "") << library;
     for (const char* library : {"../secret.mtl", "link.mtl", "up/secret.mtl"}) EXPECT_EQ(load(library, true), "") << library;
     const std::string far = load(longName, false);
     EXPECT_LT(far.size(), 400u) << "missing, or refused with a cut name";
@@ -533,7 +562,10 @@ TEST(SceneRefusals, ReferencesStayInTheFolderOfTheFileThatNamesThem) {
 TEST(SceneRefusals, PrintNothingThatATerminalObeys) {
     EXPECT_EQ(printable("a\x1b[2Jb\r\n\t\x7f"), "a\\x1b[2Jb\\x0d\\x0a\\x09\\x7f");
     EXPECT_EQ(printable("gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80"), "gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80");
-    EXPECT_EQ(printable("\xc2\x9b""31m \xe2\x80\xae"), "\\xc2\\x9b31m \\xe2\\x80\\xae") << "C1 controls and bidirectional overrides";
+    EXPECT_EQ(printable("\xc2\x9b"
+                        "31m \xe2\x80\xae"),
+              "\\xc2\\x9b31m \\xe2\\x80\\xae")
+        << "C1 controls and bidirectional overrides";
     EXPECT_EQ(printable("\xc0\xaf \xed\xa0\x80 \xff \xe2\x82"), "\\xc0\\xaf \\xed\\xa0\\x80 \\xff \\xe2\\x82") << "not UTF-8";
     EXPECT_EQ(printable(std::string(300, 'a')), std::string(200, 'a') + "...");
 }

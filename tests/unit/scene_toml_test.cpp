@@ -5,11 +5,11 @@
 #include "pipeline/scene/load.h"
 #include "tests/support/temporary_folder.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fmt/core.h>
 #include <fstream>
 #include <functional>
 #include <glm/gtc/matrix_access.hpp>
@@ -26,11 +26,10 @@ using glm::dvec3;
 using glm::dvec4;
 using test::TemporaryFolder;
 
-constexpr double kDouble = 1e-12;   // implementation_tolerance of the worked examples, times max(1, |expected|)
+constexpr double kDouble = 1e-12;  // implementation_tolerance of the worked examples, times max(1, |expected|)
 constexpr double kFloat = 4e-6;
 
-const std::string kTriangle =
-    "\n[[mesh]]\nname = 'triangle'\nvertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\nfaces = [[0, 1, 2]]\n";
+const std::string kTriangle = "\n[[mesh]]\nname = 'triangle'\nvertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\nfaces = [[0, 1, 2]]\n";
 
 Scene load(const std::string& text, const LoadOptions& options = {}) {
     TemporaryFolder folder;
@@ -52,8 +51,7 @@ std::string refusal(const TemporaryFolder& folder, const std::string& text) {
 }
 
 void expectNear(const dvec3& got, const dvec3& want, double tolerance, const std::string& what) {
-    for (int i = 0; i < 3; ++i)
-        EXPECT_NEAR(got[i], want[i], tolerance * std::max(1.0, std::abs(want[i]))) << what << " component " << i;
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(got[i], want[i], tolerance * std::max(1.0, std::abs(want[i]))) << what << " component " << i;
 }
 
 dvec3 apply(const dmat4& m, const dvec3& p) { return dvec3(m * dvec4(p, 1)); }
@@ -79,7 +77,8 @@ TEST(SceneToml, DefaultsAreThoseOfABareMesh) {
 TEST(SceneToml, ReadsEverySetting) {
     const Scene scene = load(
         "handedness = 'left'\nup = [0, 0, 2]\nambient = [0.1, 0.2, 0.3]\nbackground = '#ffffff'\nencoding = 'linear'\n"
-        "shading = 'gouraud'\nsize = [640, 480]\ncull = false\n" + kTriangle);
+        "shading = 'gouraud'\nsize = [640, 480]\ncull = false\n" +
+        kTriangle);
     EXPECT_TRUE(scene.leftHanded);
     EXPECT_EQ(scene.up, dvec3(0, 0, 1));
     EXPECT_EQ(scene.ambient, glm::vec3(0.1f, 0.2f, 0.3f));
@@ -112,7 +111,9 @@ TEST(SceneToml, NoSpectrumIsModelled) {
 }
 
 TEST(SceneToml, InksAreWhatTheyLeaveOfTheEncodedColour) {
-    const auto diffuse = [](const std::string& colour) { return load("[[material]]\nname = 'm'\ndiffuse = " + colour + "\n" + kTriangle).materials.at(1).diffuse; };
+    const auto diffuse = [](const std::string& colour) {
+        return load("[[material]]\nname = 'm'\ndiffuse = " + colour + "\n" + kTriangle).materials.at(1).diffuse;
+    };
     EXPECT_EQ(diffuse("{ cmy = [1, 0, 0] }"), diffuse("'#00ffff'"));
     EXPECT_EQ(diffuse("{ cmy = [0.2, 0.4, 0.6] }"), diffuse("'#cc9966'"));
     EXPECT_EQ(diffuse("{ cmyk = [0, 0, 0, 0.2] }"), diffuse("'#cccccc'"));
@@ -152,8 +153,10 @@ TEST(SceneToml, TheNotesViewerStandsAtMinusD) {
 
 TEST(SceneToml, CamerasAreOrthonormalAndOfTheirHandedness) {
     for (const bool left : {false, true}) {
-        const Camera camera = load(fmt::format("handedness = '{}'\n[camera]\neye = [3, 4, 5]\nat = [1, 1, -2]\nfov = 30\n",
-                                               left ? "left" : "right") + kTriangle).camera.value();
+        const Camera camera =
+            load(fmt::format("handedness = '{}'\n[camera]\neye = [3, 4, 5]\nat = [1, 1, -2]\nfov = 30\n", left ? "left" : "right") +
+                 kTriangle)
+                .camera.value();
         const glm::dmat3 axes(camera.right, camera.up, camera.forward);
         const glm::dmat3 products = glm::transpose(axes) * axes;
         for (int i = 0; i < 3; ++i)
@@ -175,7 +178,8 @@ TEST(SceneToml, CamerasFarAwayDoNotOverflow) {
 TEST(SceneToml, LightsKeepTheirKind) {
     const Scene scene = load(
         "[[light]]\ntype = 'directional'\ndirection = [1, 1, -1]\nintensity = 0.7\n"
-        "[[light]]\ntype = 'point'\nposition = [1, 2, 3]\nintensity = [9, 8, 7]\nattenuation = '1/d^2'\n" + kTriangle);
+        "[[light]]\ntype = 'point'\nposition = [1, 2, 3]\nintensity = [9, 8, 7]\nattenuation = '1/d^2'\n" +
+        kTriangle);
     ASSERT_EQ(scene.lights.size(), 2u);
     EXPECT_TRUE(scene.lights[0].directional);
     EXPECT_EQ(scene.lights[0].direction, dvec3(1, 1, -1));
@@ -189,7 +193,10 @@ TEST(SceneToml, LightsKeepTheirKind) {
 // s083_matrix_*: the column-vector matrices of section 9.2, phi = 30 degrees.
 TEST(SceneToml, TransformsAreTheNotesMatrices) {
     const double c = 0.8660254037844386, s = 0.5;
-    const struct { const char* text; double rows[16]; } cases[] = {
+    const struct {
+        const char* text;
+        double rows[16];
+    } cases[] = {
         {"{ translate = [4, 5, 6] }", {1, 0, 0, 4, 0, 1, 0, 5, 0, 0, 1, 6, 0, 0, 0, 1}},
         {"{ scale = [2, 3, 4] }", {2, 0, 0, 0, 0, 3, 0, 0, 0, 0, 4, 0, 0, 0, 0, 1}},
         {"{ rotate_z = 30 }", {c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
@@ -207,8 +214,9 @@ TEST(SceneToml, TransformsAreTheNotesMatrices) {
 }
 
 TEST(SceneToml, QuarterTurnsAreExact) {
-    const dmat4 m = transformOf("{ rotate_z = 90 }, { rotate_z = -270 }, { rotate_x = 180 }, { rotate_x = 540 }, { rotate_y = -90 }, "
-                                "{ rotate_y = 450 }");
+    const dmat4 m = transformOf(
+        "{ rotate_z = 90 }, { rotate_z = -270 }, { rotate_x = 180 }, { rotate_x = 540 }, { rotate_y = -90 }, "
+        "{ rotate_y = 450 }");
     const dvec3 p = apply(m, dvec3(1, 2, 3));
     EXPECT_EQ(p, dvec3(-1, -2, 3));
 }
@@ -229,10 +237,10 @@ TEST(SceneToml, TransformsApplyInTheOrderOfTheList) {
 
 TEST(SceneToml, ChildrenFollowTheirParents) {
     const Scene scene = load(kTriangle +
-        "[[object]]\nname = 'hand'\nparent = 'arm'\nmesh = 'triangle'\ntransform = [{ translate = [10, 0, 0] }]\n"
-        "[[object]]\nname = 'arm'\ntransform = [{ rotate_z = 90 }, { translate = [0, 0, 5] }]\n"
-        "[[object.child]]\nname = 'elbow'\nmesh = 'triangle'\ntransform = [{ translate = [1, 0, 0] }]\n"
-        "[[object.child.child]]\nmesh = 'triangle'\ntransform = [{ scale = 2 }]\n");
+                             "[[object]]\nname = 'hand'\nparent = 'arm'\nmesh = 'triangle'\ntransform = [{ translate = [10, 0, 0] }]\n"
+                             "[[object]]\nname = 'arm'\ntransform = [{ rotate_z = 90 }, { translate = [0, 0, 5] }]\n"
+                             "[[object.child]]\nname = 'elbow'\nmesh = 'triangle'\ntransform = [{ translate = [1, 0, 0] }]\n"
+                             "[[object.child.child]]\nmesh = 'triangle'\ntransform = [{ scale = 2 }]\n");
     ASSERT_EQ(scene.objects.size(), 3u) << "a group is not drawn";
     EXPECT_EQ(scene.objects[0].name, "hand");
     expectNear(apply(scene.objects[0].worldFromObject, dvec3(0)), dvec3(0, 10, 5), kDouble, "hand");
@@ -244,7 +252,8 @@ TEST(SceneToml, ChildrenFollowTheirParents) {
 
 TEST(SceneToml, ObjectsReplaceMaterialsAndShareCopies) {
     const std::string object = "[[object]]\nmesh = 'triangle'\n";
-    const Scene scene = load("[[material]]\nname = 'red'\n" + kTriangle + object + object + "material = 'red'\n" + object + "material = 'red'\n");
+    const Scene scene =
+        load("[[material]]\nname = 'red'\n" + kTriangle + object + object + "material = 'red'\n" + object + "material = 'red'\n");
     ASSERT_EQ(scene.objects.size(), 3u);
     EXPECT_NE(scene.objects[0].mesh, scene.objects[1].mesh);
     EXPECT_EQ(scene.objects[1].mesh, scene.objects[2].mesh);
@@ -267,9 +276,10 @@ TEST(SceneToml, ReadsMeshFilesOnceAndReplacesTheirMaterials) {
     TemporaryFolder folder;
     folder.write("models/triangle.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     const Scene scene = readSceneToml(folder.write("scene.toml",
-        "[[material]]\nname = 'red'\n"
-        "[[mesh]]\nname = 'plain'\nfile = 'models/triangle.off'\n"
-        "[[mesh]]\nname = 'red'\nfile = 'models/./triangle.off'\nmaterial = 'red'\n"), {});
+                                                   "[[material]]\nname = 'red'\n"
+                                                   "[[mesh]]\nname = 'plain'\nfile = 'models/triangle.off'\n"
+                                                   "[[mesh]]\nname = 'red'\nfile = 'models/./triangle.off'\nmaterial = 'red'\n"),
+                                      {});
     ASSERT_EQ(scene.objects.size(), 2u);
     EXPECT_EQ(scene.meshes.size(), 2u);
     EXPECT_EQ(scene.meshes[scene.objects[1].mesh].faceMaterial.at(0), 1u);
@@ -300,8 +310,7 @@ TEST(SceneToml, ThePyramidIsTheNotes) {
     for (int f = 0; f < 5; ++f) expectNear(mesh.faceNormal[size_t(f)], normals[f], kFloat, fmt::format("face {}", f));
     // Sides that meet at 60 degrees stay apart: every vertex has the normal of its face.
     for (const auto& triangle : mesh.triangles)
-        for (uint32_t vertex : triangle.vertex)
-            expectNear(mesh.normals[vertex], mesh.faceNormal[triangle.face], kFloat, "vertex normal");
+        for (uint32_t vertex : triangle.vertex) expectNear(mesh.normals[vertex], mesh.faceNormal[triangle.face], kFloat, "vertex normal");
     EXPECT_EQ(mesh.boundsMin, glm::vec3(-50, -150, 50));
     EXPECT_EQ(mesh.boundsMax, glm::vec3(50, -100, 150));
     // Visible: N . V - D > 0 from (0, 0, -500); also the sense of the vertices on the screen, clockwise with y down.
@@ -336,7 +345,7 @@ TEST(SceneToml, TheCylinderIsTheNotes) {
     const Object& object = scene.objects.at(0);
     const TriangleMesh& mesh = scene.meshes.at(object.mesh);
     const double h = 0.7071067811865476;
-    const dvec3 normals[] = {{0, 1, 0}, {h, h, 0}, {1, 0, 0}, {h, -h, 0}, {0, -1, 0},
+    const dvec3 normals[] = {{0, 1, 0},   {h, h, 0},  {1, 0, 0},  {h, -h, 0}, {0, -1, 0},
                              {-h, -h, 0}, {-1, 0, 0}, {-h, h, 0}, {0, 0, -1}, {0, 0, 1}};
     ASSERT_EQ(mesh.faceNormal.size(), 10u);
     for (int f = 0; f < 10; ++f) expectNear(mesh.faceNormal[size_t(f)], normals[f], kFloat, fmt::format("face {}", f));
@@ -459,7 +468,8 @@ std::vector<BadScene> badScenes() {
         {material + "ior = 2\ndensity = @1.5", "two names of one number"},
         {material + "reflect = @-0.1", "material.reflect is -0.1"},
         {material + "transmit = @1.1", "material.transmit is 1.1"},
-        {"@[[material]]\nname = 'm'\nreflect = 0.7\ntransmit = 0.5", "material 'm': reflect 0.7, transmit 0.5 and local 0 add up to more than 1"},
+        {"@[[material]]\nname = 'm'\nreflect = 0.7\ntransmit = 0.5",
+         "material 'm': reflect 0.7, transmit 0.5 and local 0 add up to more than 1"},
         {"@[[material]]\nname = 'm'\nreflect = 0.7\nlocal = 0.5", "add up to more than 1"},
         {"@[[sphere]]\nradius = 1", "sphere has no 'centre'"},
         {"@[[sphere]]\ncentre = [0,0,0]", "sphere has no 'radius'"},
@@ -565,13 +575,16 @@ TEST(SceneToml, RefusesWhatHasNoSinglePlace) {
     EXPECT_NE(refusal(folder, "[material]\nname = 'm'\n" + kTriangle).find("write [[material]]"), std::string::npos);
     // Group scales multiply; the object that is drawn is named.
     EXPECT_NE(refusal(folder, kTriangle + "[[object]]\ntransform = [{ scale = 1e30 }]\n[[object.child]]\nmesh = 'triangle'\n"
-                                          "transform = [{ scale = 1e30 }]\n").find("world matrix has entries above 2^100"), std::string::npos);
+                                          "transform = [{ scale = 1e30 }]\n")
+                  .find("world matrix has entries above 2^100"),
+              std::string::npos);
 }
 
 // 5.2 of the notes: a scale of 0 flattens. What has no surface left is said.
 TEST(SceneToml, AMatrixWithoutInverseIsTaken) {
     TemporaryFolder folder;
-    for (const char* transform : {"{ scale = [1, 1, 0] }", "{ scale = [1, 0, 1] }", "{ scale = 0 }", "{ matrix = [1,0,0,0, 0,1,0,0, 1,1,0,0, 0,0,0,1] }", "{ scale = [1e-20, 1e-20, 1] }"})
+    for (const char* transform : {"{ scale = [1, 1, 0] }", "{ scale = [1, 0, 1] }", "{ scale = 0 }",
+                                  "{ matrix = [1,0,0,0, 0,1,0,0, 1,1,0,0, 0,0,0,1] }", "{ scale = [1e-20, 1e-20, 1] }"})
         EXPECT_EQ(refusal(folder, kObject + "transform = [" + transform + "]\n"), "") << transform;
 }
 
@@ -652,19 +665,24 @@ TEST(SceneToml, EveryExampleOfTheDocumentationLoads) {
 TEST(SceneToml, EveryKeyHasAnExample) {
     std::string all;
     for (const std::string& block : documentedBlocks()) all += "\n" + block;
-    for (const char* key : {"handedness", "up", "ambient", "background", "encoding", "shading", "size", "cull", "distance", "eye", "at", "fov",
-                            "near", "name", "diffuse", "specular", "emission", "shininess", "opacity", "ior", "type", "direction", "position",
-                            "intensity", "attenuation", "file", "vertices", "faces", "material", "face_materials", "crease", "mesh",
-                            "transform", "parent", "translate", "rotate_x", "rotate_y", "rotate_z", "rotate", "axis", "degrees", "through",
-                            "scale", "matrix", "about", "max_depth", "min_weight", "sampling", "jitter", "seed", "levels", "shadows", "density", "reflect", "transmit", "local", "centre",
-                            "radius", "point", "normal", "u", "u_range", "v_range", "two_sided", "square", "mirrored", "board"})
+    for (const char* key : {"handedness",  "up",        "ambient",   "background", "encoding", "shading",        "size",       "cull",
+                            "distance",    "eye",       "at",        "fov",        "near",     "name",           "diffuse",    "specular",
+                            "emission",    "shininess", "opacity",   "ior",        "type",     "direction",      "position",   "intensity",
+                            "attenuation", "file",      "vertices",  "faces",      "material", "face_materials", "crease",     "mesh",
+                            "transform",   "parent",    "translate", "rotate_x",   "rotate_y", "rotate_z",       "rotate",     "axis",
+                            "degrees",     "through",   "scale",     "matrix",     "about",    "max_depth",      "min_weight", "sampling",
+                            "jitter",      "seed",      "levels",    "shadows",    "density",  "reflect",        "transmit",   "local",
+                            "centre",      "radius",    "point",     "normal",     "u",        "u_range",        "v_range",    "two_sided",
+                            "square",      "mirrored",  "board"})
         EXPECT_TRUE(all.find(fmt::format("\n{} =", key)) != all.npos || all.find(fmt::format(" {} =", key)) != all.npos) << key;
     EXPECT_NE(all.find("[[object.child]]"), all.npos);
 }
 
 TEST(SceneToml, ChoicesOfRaysAreKept) {
     TemporaryFolder folder;
-    folder.write("s.toml", "encoding = 'linear'\nsampling = 'adaptive'\njitter = { reflect = 0.25, shadow = 0.5 }\nseed = 4294967295\nlevels = 'cut'\n[[sphere]]\ncentre = [0,0,0]\nradius = 1\n");
+    folder.write("s.toml",
+                 "encoding = 'linear'\nsampling = 'adaptive'\njitter = { reflect = 0.25, shadow = 0.5 }\nseed = 4294967295\nlevels = "
+                 "'cut'\n[[sphere]]\ncentre = [0,0,0]\nradius = 1\n");
     const Scene s = readSceneToml(folder.path() / "s.toml", {});
     EXPECT_EQ(s.sampling, Sampling::adaptive);
     EXPECT_EQ(s.jitterReflect, 0.25);

@@ -2,10 +2,10 @@
 #include "pipeline/transform/steps.h"
 #include "pipeline/transform/vector.h"
 
+#include <gtest/gtest.h>
 #include <cmath>
 #include <cstddef>
 #include <glm/glm.hpp>
-#include <gtest/gtest.h>
 #include <limits>
 #include <random>
 #include <span>
@@ -49,13 +49,10 @@ TEST(LineRotation, KeepsTheLineAndDistancesAndIsRodrigues) {
         EXPECT_LE(distance(transformed(m, from), from), bound);
         EXPECT_LE(distance(transformed(m, to), to), bound);
         EXPECT_LE(std::abs(distance(transformed(m, p), from) - distance(p, from)), bound);
-        EXPECT_LE(distance(transformed(m, p), transformed(about(from, rotation(unitVector(to - from), phi)), p)),
-                  2 * bound)
+        EXPECT_LE(distance(transformed(m, p), transformed(about(from, rotation(unitVector(to - from), phi)), p)), 2 * bound)
             << "line " << i;
         const std::vector<Step3> back = lineSteps(from, to, -phi);
-        EXPECT_LE(
-            distance(transformed(productsOf(std::span<const Step3>(back), counters).back(), transformed(m, p)), p),
-            2 * bound);
+        EXPECT_LE(distance(transformed(productsOf(std::span<const Step3>(back), counters).back(), transformed(m, p)), p), 2 * bound);
     }
 }
 
@@ -145,8 +142,7 @@ TEST(Chain, TheTreeHasTheSameProductAndTheDepthOfItsLogarithm) {
     Lines r;
     for (size_t n = 1; n <= 33; ++n) {
         std::vector<Step3> chain;
-        for (size_t i = 0; i < n; ++i)
-            chain.push_back(i % 2 == 0 ? rotateXStep(r.degrees(r.engine)) : translateStep(r.point() * 0.1));
+        for (size_t i = 0; i < n; ++i) chain.push_back(i % 2 == 0 ? rotateXStep(r.degrees(r.engine)) : translateStep(r.point() * 0.1));
         ChainCounters sequential, tree;
         const dmat4 m = productsOf(std::span<const Step3>(chain), sequential).back();
         const auto levels = treeOf(std::span<const Step3>(chain), tree);
@@ -160,8 +156,7 @@ TEST(Chain, TheTreeHasTheSameProductAndTheDepthOfItsLogarithm) {
         EXPECT_EQ(levels.back()[0].first, 0u);
         EXPECT_EQ(levels.back()[0].last, n - 1);
         const dvec3 p(1, -2, 3);
-        EXPECT_LE(distance(transformed(m, p), transformed(levels.back()[0].matrix, p)), 2 * chainBound(n, 60))
-            << n << " steps";
+        EXPECT_LE(distance(transformed(m, p), transformed(levels.back()[0].matrix, p)), 2 * chainBound(n, 60)) << n << " steps";
         for (const auto& level : levels)  // neighbours, without gap or overlap
             for (size_t i = 0; i < level.size(); ++i) EXPECT_EQ(level[i].first, i == 0 ? 0 : level[i - 1].last + 1);
     }

@@ -55,8 +55,7 @@ std::vector<uint32_t> decorated(const std::vector<uint32_t>& words) {
     for (size_t at = kHeaderWords; at < words.size();) {
         const uint32_t opcode = words[at] & 0xffffu, count = words[at] >> 16;
         if (count == 0 || at + count > words.size()) throw std::runtime_error("truncated instruction");
-        if (opcode == kOpDecorate && count >= 3 && words[at + 2] == kNoContraction)
-            alreadyDecorated.insert(words[at + 1]);
+        if (opcode == kOpDecorate && count >= 3 && words[at + 2] == kNoContraction) alreadyDecorated.insert(words[at + 1]);
         if (firstType == 0 && opcode >= kOpTypeVoid && opcode <= kOpTypeForwardPointer) firstType = at;
         if (isFloatArithmetic(opcode)) results.push_back(words[at + 2]);
         at += count;
@@ -77,16 +76,13 @@ std::vector<uint32_t> decorated(const std::vector<uint32_t>& words) {
 // FIPS 180-4.
 std::string sha256Hex(const std::vector<uint8_t>& message) {
     static constexpr std::array<uint32_t, 64> kRoundConstants = {
-        0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,
-        0xd807aa98, 0x12835b01, 0x243185be, 0x550c7dc3, 0x72be5d74, 0x80deb1fe, 0x9bdc06a7, 0xc19bf174,
-        0xe49b69c1, 0xefbe4786, 0x0fc19dc6, 0x240ca1cc, 0x2de92c6f, 0x4a7484aa, 0x5cb0a9dc, 0x76f988da,
-        0x983e5152, 0xa831c66d, 0xb00327c8, 0xbf597fc7, 0xc6e00bf3, 0xd5a79147, 0x06ca6351, 0x14292967,
-        0x27b70a85, 0x2e1b2138, 0x4d2c6dfc, 0x53380d13, 0x650a7354, 0x766a0abb, 0x81c2c92e, 0x92722c85,
-        0xa2bfe8a1, 0xa81a664b, 0xc24b8b70, 0xc76c51a3, 0xd192e819, 0xd6990624, 0xf40e3585, 0x106aa070,
-        0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
-        0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
-    std::array<uint32_t, 8> state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
-                                     0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+        0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5, 0xd807aa98, 0x12835b01, 0x243185be,
+        0x550c7dc3, 0x72be5d74, 0x80deb1fe, 0x9bdc06a7, 0xc19bf174, 0xe49b69c1, 0xefbe4786, 0x0fc19dc6, 0x240ca1cc, 0x2de92c6f, 0x4a7484aa,
+        0x5cb0a9dc, 0x76f988da, 0x983e5152, 0xa831c66d, 0xb00327c8, 0xbf597fc7, 0xc6e00bf3, 0xd5a79147, 0x06ca6351, 0x14292967, 0x27b70a85,
+        0x2e1b2138, 0x4d2c6dfc, 0x53380d13, 0x650a7354, 0x766a0abb, 0x81c2c92e, 0x92722c85, 0xa2bfe8a1, 0xa81a664b, 0xc24b8b70, 0xc76c51a3,
+        0xd192e819, 0xd6990624, 0xf40e3585, 0x106aa070, 0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f,
+        0x682e6ff3, 0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
+    std::array<uint32_t, 8> state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
     std::vector<uint8_t> padded = message;
     padded.push_back(0x80);
     while (padded.size() % 64 != 56) padded.push_back(0);
@@ -141,8 +137,8 @@ std::string source(const std::string& name, const std::vector<uint32_t>& words) 
         std::snprintf(word, sizeof word, "%s0x%08x,", i % 10 == 0 ? "\n" : "", words[i]);
         text += word;
     }
-    return text + "};\n}  // namespace\nconstinit const Module " + name + "{\"" + name + "\", kWords,\n    \"" +
-           sha256Hex(bytesOf(words)) + "\"};\n}  // namespace plumb::spirv\n";
+    return text + "};\n}  // namespace\nconstinit const Module " + name + "{\"" + name + "\", kWords,\n    \"" + sha256Hex(bytesOf(words)) +
+           "\"};\n}  // namespace plumb::spirv\n";
 }
 
 std::vector<uint32_t> read(const char* path) {
@@ -165,15 +161,16 @@ void write(const char* path, const void* data, size_t bytes) {
 
 int main(int argc, char** argv) {
     if (argc != 8) {
-        std::fputs("usage: plumb_spirv_embed NAME IN.spv OUT.spv OUT.h OUT.cpp FUNCTIONS_IN.spv FUNCTIONS_OUT.spv\n"
-                   "FUNCTIONS: the module before its functions were inlined, with the same decorations, for the lint\n", stderr);
+        std::fputs(
+            "usage: plumb_spirv_embed NAME IN.spv OUT.spv OUT.h OUT.cpp FUNCTIONS_IN.spv FUNCTIONS_OUT.spv\n"
+            "FUNCTIONS: the module before its functions were inlined, with the same decorations, for the lint\n",
+            stderr);
         return 2;
     }
     try {
         const std::string name = argv[1];
         for (const char c : name)
-            if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_')
-                throw std::runtime_error("the name is not a C++ identifier");
+            if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_') throw std::runtime_error("the name is not a C++ identifier");
         const std::vector<uint32_t> words = decorated(read(argv[2])), functions = decorated(read(argv[6]));
         const std::string declares = header(name), defines = source(name, words);
         write(argv[3], words.data(), words.size() * 4);

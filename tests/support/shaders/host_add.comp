@@ -6,7 +6,12 @@ layout(local_size_x = 64) in;
 #include "shared/status.h"
 
 layout(constant_id = 7) const uint kAddend = 0u;
-struct AddPush { uint statusSlot; uint count; uint factor; uint skippedGroups; };
+struct AddPush {
+    uint statusSlot;
+    uint count;
+    uint factor;
+    uint skippedGroups;
+};
 layout(push_constant, scalar) uniform Push { AddPush push; };
 layout(binding = 1, scalar) readonly buffer Pairs { uvec2 pairs[]; };
 layout(binding = 2) uniform utextureBuffer texel;

@@ -6,8 +6,18 @@ layout(local_size_x = 64) in;
 #include "shared/exact.h"
 #include "shared/status.h"
 
-struct ExactPush { uint statusSlot; uint count; int seedErrorUlp; };
-struct ExactAnswer { float quotient; float root; float emulatedQuotient; float emulatedRoot; float snapped; };
+struct ExactPush {
+    uint statusSlot;
+    uint count;
+    int seedErrorUlp;
+};
+struct ExactAnswer {
+    float quotient;
+    float root;
+    float emulatedQuotient;
+    float emulatedRoot;
+    float snapped;
+};
 layout(push_constant, scalar) uniform Push { ExactPush push; };
 layout(binding = 1, scalar) readonly buffer Operands { vec2 operands[]; };
 layout(binding = 2, scalar) writeonly buffer Answers { ExactAnswer answers[]; };

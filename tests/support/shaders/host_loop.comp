@@ -5,7 +5,12 @@
 layout(local_size_x = 64) in;
 #include "shared/status.h"
 
-struct LoopPush { uint statusSlot; uint iterations; uint items; uint wanted; };
+struct LoopPush {
+    uint statusSlot;
+    uint iterations;
+    uint items;
+    uint wanted;
+};
 layout(push_constant, scalar) uniform Push { LoopPush push; };
 layout(binding = 1, scalar) writeonly buffer States { uint states[]; };
 

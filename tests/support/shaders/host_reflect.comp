@@ -6,16 +6,36 @@ layout(local_size_x_id = 3, local_size_y = 2) in;
 #include "shared/status.h"
 
 layout(constant_id = 9) const float kScale = 1.0;
-struct Particle { vec3 position; uint kind; mat3 frame; float weights[5]; };
-struct ReflectPush { uint statusSlot; vec3 offset; mat4 clipFromWorld; uvec2 sizes[2]; };
+struct Particle {
+    vec3 position;
+    uint kind;
+    mat3 frame;
+    float weights[5];
+};
+struct ReflectPush {
+    uint statusSlot;
+    vec3 offset;
+    mat4 clipFromWorld;
+    uvec2 sizes[2];
+};
 layout(push_constant, scalar) uniform Push { ReflectPush push; };
 layout(binding = 1, scalar) readonly buffer Particles { Particle particles[]; };
-layout(binding = 2, scalar) writeonly buffer Counters { uint drawn; uint skipped; uint most; } counters;
+layout(binding = 2, scalar) writeonly buffer Counters {
+    uint drawn;
+    uint skipped;
+    uint most;
+}
+counters;
 layout(binding = 3) uniform utextureBuffer words;
 layout(binding = 4) uniform textureBuffer reals;
 layout(binding = 5) uniform itextureBuffer integers;
-layout(binding = 6, scalar) uniform Block { vec4 colour; } block;
-layout(binding = 7, scalar) buffer WithHeader { uint count; vec2 list[]; } withHeader;
+layout(binding = 6, scalar) uniform Block { vec4 colour; }
+block;
+layout(binding = 7, scalar) buffer WithHeader {
+    uint count;
+    vec2 list[];
+}
+withHeader;
 
 void main() {
     int item = int(gl_GlobalInvocationID.x);
