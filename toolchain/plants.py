@@ -3,7 +3,7 @@
 """Lists the decisions of the contracts (shaders/shared/*.h) and fails on one that nothing shows to matter.
 
 A decision is a comparison (< > <= >= == != gt same), a logical && or ||, a min, max or clamp, or a choice (if, ?:, pick) whose condition holds
-none of these. Each needs a planted fault in tests/fault/plants.txt that changes it or what it decides on, or a reason why there can be none:
+none of these. Each needs a planted fault in tests/fault/plants/ (one file a contract, one for `bound` and one for `measure`) that changes it or what it decides on, or a reason why there can be none:
 
     // no plant: reason        at the end of its line, or alone on the line above
 
@@ -23,7 +23,7 @@ import re
 import sys
 from collections import namedtuple
 
-Row = namedtuple("Row", "name side program filter file text replacement line")
+Row = namedtuple("Row", "name side program filter file text replacement place")
 Decision = namedtuple("Decision", "line start end text first last")  # first, last: the extent, with what it decides on
 
 COMPARISONS = ("<=", ">=", "==", "!=", "<", ">", "&&", "||")
@@ -120,9 +120,8 @@ def covered_by(part, found):
 
 
 def read_rows(path):
+    """Rows of one file, and what is wrong with it."""
     rows, faults = [], []
-    if not os.path.exists(path):
-        return rows, faults
     with open(path, encoding="utf-8") as f:
         lines = [(n, line.rstrip("\n")) for n, line in enumerate(f, 1)]
     lines = [(n, line) for n, line in lines if line.strip() and not line.startswith("#")]
@@ -136,10 +135,21 @@ def read_rows(path):
             while at < len(lines) and (lines[at][0] == n or not lines[at][1].startswith("[")):
                 at += 1
             continue
-        rows.append(Row(*m.groups(), block[1].strip(), block[2][2:], block[3][2:], n))
+        rows.append(Row(*m.groups(), block[1].strip(), block[2][2:], block[3][2:], f"{path}:{n}"))
         at += 4
+    return rows, faults
+
+
+def read_all(root):
+    """Rows of all files of tests/fault/plants/, and what is wrong with them."""
+    folder = os.path.join(root, "tests", "fault", "plants")
+    rows, faults = [], []
+    for name in sorted(os.listdir(folder)) if os.path.isdir(folder) else ():
+        more, wrong = read_rows(os.path.join(folder, name))
+        rows += more
+        faults += wrong
     names = [row.name for row in rows]
-    faults += [f"{path}: two rows are called {name}" for name in sorted({n for n in names if names.count(n) > 1})]
+    faults += [f"{folder}: two rows are called {name}" for name in sorted({n for n in names if names.count(n) > 1})]
     return rows, faults
 
 
@@ -178,23 +188,22 @@ def changed_range(text, replacement):
 
 def check(root, list_all=False):
     folder = os.path.join(root, "shaders", "shared")
-    rows_path = os.path.join(root, "tests", "fault", "plants.txt")
-    rows, faults = read_rows(rows_path)
+    rows, faults = read_all(root)
     covered = {}  # file -> [(start, end, row name)]
     for row in rows:
         path = path_of(root, row.file)
         if not os.path.isfile(path):
-            faults.append(f"{rows_path}:{row.line}: {row.name}: there is no {row.file}")
+            faults.append(f"{row.place}: {row.name}: there is no {row.file}")
             continue
         with open(path, encoding="utf-8") as f:
             text = f.read()
         places = places_of(text, row)
         if len(places) != 1:
-            faults.append(f"{rows_path}:{row.line}: {row.name}: `{row.text}` stands {len(places)} times in {row.file}")
+            faults.append(f"{row.place}: {row.name}: `{row.text}` stands {len(places)} times in {row.file}")
             continue
         part = changed_range(row.text.removeprefix("^"), row.replacement)
         if part is None:
-            faults.append(f"{rows_path}:{row.line}: {row.name}: changes nothing")
+            faults.append(f"{row.place}: {row.name}: changes nothing")
             continue
         at = places[0]
         covered.setdefault(os.path.relpath(path, root), []).append((at + part[0], at + part[1], row.name))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Plants the faults of tests/fault/plants.txt one after the other and shows that the tests named there go red.
+"""Plants the faults of tests/fault/plants/ one after the other and shows that the tests named there go red.
 
 BUILD is a finished build tree; nothing in it is changed. For each fault the text of one side is copied with the fault in it, only what that side
 makes of the text is compiled again (the twin: its translation units; the device: its SPIR-V modules), and the named program is linked anew with these
@@ -315,7 +315,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--only", default="")
     options = parser.parse_args()
-    rows, faults = plants.read_rows(os.path.join(ROOT, "tests", "fault", "plants.txt"))
+    rows, faults = plants.read_all(ROOT)
     rows = [row for row in rows if re.search(options.only, row.name)]
     faults += misfits(rows)
     if faults or not rows:

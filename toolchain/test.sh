@@ -21,8 +21,8 @@ case $mode in
   long) plumb_build sanitize tests/unit/all tests/fuzz/all; plumb_build fuzz tests/fuzz/all; select=() ;;
 esac
 
-left_out=$(sed -n 's/^PLUMB_TIDY_LEFT_OUT:INTERNAL=//p' "$plumb_root/build/test/CMakeCache.txt")
-if [ "$mode" != quick ] && [ -n "$left_out" ]; then plumb_say "$left_out"; fi
+left_out=$(sed -n 's/^PLUMB_LEFT_OUT:INTERNAL=//p' "$plumb_root/build/test/CMakeCache.txt")
+if [ -n "$left_out" ]; then plumb_say "${left_out# }"; fi
 plumb_say "testing ($mode)"
 exec ctest --test-dir "$plumb_root/build/test" --parallel "$plumb_jobs" --no-tests=error --output-on-failure \
   ${select[@]+"${select[@]}"} "$@"

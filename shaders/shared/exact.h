@@ -92,16 +92,18 @@ SHARED_FN float emulatedRoot(float a, int seedErrorUlp) {
 
 SHARED_FN float exactDivide(float a, float b) {
     float quotient;
+    // no plant: both forms give the same bits
     if (kNativeDivide)
-        quotient = nativeDivide(a, b);  // no plant: both forms give the same bits
+        quotient = nativeDivide(a, b);
     else
         quotient = emulatedDivide(a, b, 0);
     return quotient;
 }
 SHARED_FN float exactRoot(float a) {
     float root;
+    // no plant: both forms give the same bits
     if (kNativeRoot)
-        root = nativeRoot(a);  // no plant: both forms give the same bits
+        root = nativeRoot(a);
     else
         root = emulatedRoot(a, 0);
     return root;
