@@ -4,7 +4,7 @@
 #include "pipeline/bench/meshes.h"
 #include "pipeline/bench/trace_peers.h"
 #include "pipeline/passes/parallel.h"
-#include "pipeline/render/trace_frame.h"
+#include "pipeline/render/rays/trace_frame.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

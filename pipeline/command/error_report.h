@@ -3,7 +3,7 @@
 #pragma once
 
 #include "pipeline/command/command.h"
-#include "pipeline/render/rounding.h"
+#include "pipeline/render/bounds/rounding.h"
 #include "pipeline/truth/frame_error.h"
 
 #include <optional>

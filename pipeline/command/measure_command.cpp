@@ -10,7 +10,7 @@
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/measure/measure.h"
-#include "pipeline/render/vertex_error.h"
+#include "pipeline/render/bounds/vertex_error.h"
 #include "pipeline/report/report.h"
 #include "pipeline/scene/text.h"
 

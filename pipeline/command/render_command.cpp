@@ -12,7 +12,7 @@
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/measure/axes.h"
-#include "pipeline/render/vertex_error.h"
+#include "pipeline/render/bounds/vertex_error.h"
 #include "pipeline/scene/text.h"
 
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include "host/error.h"
 #include "pipeline/measure/front.h"
 #include "pipeline/measure/rounds.h"
-#include "pipeline/render/bound.h"
+#include "pipeline/render/bounds/bound.h"
 #include "pipeline/scene/sha256.h"
 
 #include <fmt/core.h>

@@ -5,7 +5,7 @@
 #include "pipeline/measure/axes.h"
 #include "pipeline/measure/error_bound.h"
 #include "pipeline/measure/telling.h"
-#include "pipeline/render/rounding.h"
+#include "pipeline/render/bounds/rounding.h"
 #include "pipeline/truth/frame_error.h"
 
 #include <cstdint>

@@ -2,8 +2,8 @@
 #include "pipeline/render/prepare.h"
 
 #include "pipeline/passes/long_rows.h"
+#include "pipeline/render/notes/polygons.h"
 #include "pipeline/render/plan_steps.h"
-#include "pipeline/render/polygons.h"
 #include "pipeline/scene/camera.h"
 #include "pipeline/scene/flattened.h"
 #include "pipeline/scene/plain_floats.h"

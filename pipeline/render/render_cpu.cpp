@@ -3,12 +3,12 @@
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
-#include "pipeline/render/notes.h"
-#include "pipeline/render/spheres_frame.h"
+#include "pipeline/render/notes/notes.h"
+#include "pipeline/render/notes/spheres_frame.h"
+#include "pipeline/render/raster/twin_frame.h"
+#include "pipeline/render/rays/trace_frame.h"
 #include "pipeline/render/stopwatch.h"
-#include "pipeline/render/trace_frame.h"
-#include "pipeline/render/twin_frame.h"
-#include "pipeline/render/wire.h"
+#include "pipeline/render/wire/wire.h"
 #include "pipeline/scene/plain_floats.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/device_render.h"
-#include "pipeline/render/notes.h"
-#include "pipeline/render/spheres_frame.h"
+#include "pipeline/render/notes/notes.h"
+#include "pipeline/render/notes/spheres_frame.h"
+#include "pipeline/render/raster/device_render.h"
+#include "pipeline/render/rays/trace_frame.h"
 #include "pipeline/render/stopwatch.h"
-#include "pipeline/render/trace_frame.h"
 #include "pipeline/scene/plain_floats.h"
 
 namespace plumb {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/device_render.h"
-#include "pipeline/render/trace_frame.h"
+#include "pipeline/render/raster/device_render.h"
+#include "pipeline/render/rays/trace_frame.h"
 #include "pipeline/scene/plain_floats.h"
 
 #include <memory>

@@ -3,9 +3,9 @@
 #include "host/error.h"
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
-#include "pipeline/render/bound.h"
-#include "pipeline/render/gpu_frame.h"
-#include "pipeline/render/twin_frame.h"
+#include "pipeline/render/bounds/bound.h"
+#include "pipeline/render/raster/gpu_frame.h"
+#include "pipeline/render/raster/twin_frame.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/sha256.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Meshes far from 0 are drawn as their near twins are, by every picture and on both sides; what float32 cannot hold is told. Measured against the file's
 // own binary64 numbers through the object's matrix, which the truth composes by itself.
-#include "pipeline/render/twin_frame.h"
-#include "pipeline/render/vertex_error.h"
+#include "pipeline/render/bounds/vertex_error.h"
+#include "pipeline/render/raster/twin_frame.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/truth/frame_error.h"
 #include "tests/support/device_fixture.h"

@@ -2,7 +2,7 @@
 // Whole pictures: the same bytes on both sides, however the work is cut, whatever the plan drops, and under changes of the scene that
 // cannot change the picture.
 #include "host/error.h"
-#include "pipeline/render/bound.h"
+#include "pipeline/render/bounds/bound.h"
 #include "shaders/shared/shade.h"
 #include "tests/support/compare.h"
 #include "tests/support/device_fixture.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Section 18: rays. Where the product has the step, it is asked in float32; the notes' intermediate numbers are their formulas in binary64.
 #include "pipeline/passes/resolve.h"
-#include "pipeline/render/trace_frame.h"
+#include "pipeline/render/rays/trace_frame.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/sha256.h"
 #include "tests/golden/golden.h"

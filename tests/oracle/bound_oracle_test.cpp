@@ -2,7 +2,7 @@
 // Random small scenes that try to break the bounds of choices: every choice with a bound, held against the truth and against the default picture.
 // The seed is printed; PLUMB_SEED states another, PLUMB_CASE runs that case alone. PLUMB_LONG=1 draws more.
 #include "pipeline/measure/error_bound.h"
-#include "pipeline/render/bound.h"
+#include "pipeline/render/bounds/bound.h"
 #include "tests/support/ray_scenes.h"
 
 #include <fmt/core.h>

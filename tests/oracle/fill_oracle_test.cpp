@@ -4,7 +4,7 @@
 // the snapped screen vertices, so that snapping does not enter; the vertices themselves are checked against binary64 projection.
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/lines.h"
-#include "pipeline/render/twin_frame.h"
+#include "pipeline/render/raster/twin_frame.h"
 #include "pipeline/scene/load.h"
 #include "tests/oracle/coverage_oracle.h"
 #include "tests/oracle/fixed_function.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Raster and rays see the same primitive, and no ray passes between the triangles of a closed mesh.
 #include "pipeline/passes/tree.h"
-#include "pipeline/render/trace_frame.h"
+#include "pipeline/render/rays/trace_frame.h"
 #include "tests/support/ray_scenes.h"
 
 #include <fmt/core.h>

@@ -2,7 +2,7 @@
 // Are the rays right? The twin's pictures against a textbook tracer in binary64, and rows 13 to 18 of the stress table.
 #include "tests/oracle/trace_oracle.h"
 
-#include "pipeline/render/trace_frame.h"
+#include "pipeline/render/rays/trace_frame.h"
 #include "tests/support/plain_picture.h"
 #include "tests/support/ray_scenes.h"
 

@@ -2,8 +2,8 @@
 // A scene prepared for both sides: the twin's geometry, and a device frame that reads exactly that.
 #pragma once
 
-#include "pipeline/render/gpu_frame.h"
-#include "pipeline/render/twin_frame.h"
+#include "pipeline/render/raster/gpu_frame.h"
+#include "pipeline/render/raster/twin_frame.h"
 #include "tests/support/compare.h"
 #include "tests/support/device_fixture.h"
 #include "tests/support/scenes.h"

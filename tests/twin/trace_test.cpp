@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/trace_frame.h"
+#include "pipeline/render/rays/trace_frame.h"
 
 #include "pipeline/passes/encode.h"
 #include "tests/support/ray_scenes.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What is proved of the choices of the trade holds in pictures, and is not so wide that it says nothing; and what float32 costs by itself.
-#include "pipeline/render/bound.h"
+#include "pipeline/render/bounds/bound.h"
 #include "host/error.h"
-#include "pipeline/render/rounding.h"
+#include "pipeline/render/bounds/rounding.h"
 #include "pipeline/truth/frame_error.h"
 #include "tests/support/ray_scenes.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/bound_light.h"
+#include "pipeline/render/bounds/bound_light.h"
 
 #include "pipeline/scene/camera.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/bound.h"
-#include "pipeline/render/bound_light.h"
+#include "pipeline/render/bounds/bound.h"
+#include "pipeline/render/bounds/bound_light.h"
 
 #include "pipeline/scene/ray_shares.h"
 

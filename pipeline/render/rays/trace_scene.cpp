@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/trace_samples.h"
+#include "pipeline/render/rays/trace_samples.h"
 
 #include "pipeline/passes/tree.h"
 #include "pipeline/scene/flattened.h"

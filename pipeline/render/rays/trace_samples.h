@@ -2,7 +2,7 @@
 // What both sides of a traced picture share: how samples lie, which pixels need more of them, planes of the frame from samples.
 #pragma once
 
-#include "pipeline/render/trace_frame.h"
+#include "pipeline/render/rays/trace_frame.h"
 
 #include <cstdint>
 #include <functional>

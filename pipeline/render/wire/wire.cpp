@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/wire.h"
+#include "pipeline/render/wire/wire.h"
 
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/lines.h"

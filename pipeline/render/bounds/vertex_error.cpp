@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/vertex_error.h"
+#include "pipeline/render/bounds/vertex_error.h"
 
 #include "pipeline/scene/camera.h"
 #include "pipeline/scene/plain_floats.h"

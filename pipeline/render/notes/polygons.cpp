@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/polygons.h"
+#include "pipeline/render/notes/polygons.h"
 
 #include "pipeline/scene/flattened.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/spheres_frame.h"
+#include "pipeline/render/notes/spheres_frame.h"
 
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/bound.h"
+#include "pipeline/render/bounds/bound.h"
 
-#include "pipeline/render/bound_light.h"
+#include "pipeline/render/bounds/bound_light.h"
 #include "pipeline/render/prepare.h"
 #include "shaders/shared/shade.h"
 #include "shaders/shared/transform.h"

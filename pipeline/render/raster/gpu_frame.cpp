@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/gpu_frame.h"
+#include "pipeline/render/raster/gpu_frame.h"
 
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/illuminate.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/device_render.h"
+#include "pipeline/render/raster/device_render.h"
 
 #include "pipeline/render/stopwatch.h"
-#include "pipeline/render/wire.h"
+#include "pipeline/render/wire/wire.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -3,7 +3,7 @@
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
-#include "pipeline/render/trace_samples.h"
+#include "pipeline/render/rays/trace_samples.h"
 
 #include <fmt/core.h>
 #include <algorithm>

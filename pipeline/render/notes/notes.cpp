@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/notes.h"
+#include "pipeline/render/notes/notes.h"
 
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
-#include "pipeline/render/polygons.h"
+#include "pipeline/render/notes/polygons.h"
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/scene/camera.h"
 #include "pipeline/scene/flattened.h"

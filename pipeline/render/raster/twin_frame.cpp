@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/twin_frame.h"
+#include "pipeline/render/raster/twin_frame.h"
 
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/transform.h"

@@ -3,8 +3,8 @@
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
+#include "pipeline/render/rays/trace_samples.h"
 #include "pipeline/render/stopwatch.h"
-#include "pipeline/render/trace_samples.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/render/rounding.h"
+#include "pipeline/render/bounds/rounding.h"
 
 #include "host/error.h"
 #include "pipeline/passes/parallel.h"
-#include "pipeline/render/twin_frame.h"
+#include "pipeline/render/raster/twin_frame.h"
 #include "pipeline/scene/plain_floats.h"
 
 #include <algorithm>
