@@ -10,8 +10,11 @@ Two places differ from the order that a reader might expect. The plan is made in
 render/ strings together. cli/ stands late and may include scene/ only: it turns words into a request and knows nothing of passes;
 command/ ties all rooms together and is included by none.
 
-usage: check_rooms.py [ROOT]      exit 0: clean; 1: one line for each fault on stdout
-       check_rooms.py --self-test exit 1 when a forbidden arrow goes unnoticed
+usage: check_rooms.py [ROOT]             exit 0: clean; 1: one line for each fault on stdout
+       check_rooms.py --self-test        exit 1 when a forbidden arrow or an old table goes unnoticed
+       check_rooms.py --table            prints the rooms as a Markdown table
+       check_rooms.py --table FILE       exit 1 when the table of FILE is another one
+       check_rooms.py --table --fix FILE writes the table into FILE
 """
 import fnmatch
 import os
@@ -19,31 +22,49 @@ import re
 import sys
 import tempfile
 
-# room -> (folders or files of the project it may include, third-party headers it may include)
+# room -> (the question it answers, folders or files of the project it may include, third-party headers it may include)
 ROOMS = {
-    "shaders/shared": (["shaders/shared"], []),
-    "shaders": (["shaders/shared", "shaders/*.glsl"], []),  # .glsl: text of several kernels that C++ never reads
-    "host": (["host", "shaders/shared/status.h", "shaders/shared/exact.h", "shaders/shared/selftest.h", "spirv"], ["vulkan", "fmt"]),
-    "pipeline/transform": (["pipeline/transform"], ["glm", "fmt"]),
-    "pipeline/scene": (["pipeline/scene", "pipeline/transform", "host/error.h"], ["glm", "fmt", "json", "toml"]),
-    "pipeline/passes": (["pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv"], ["glm", "fmt"]),
-    "pipeline/render": (["pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv"],
-                        ["glm", "fmt"]),
+    "shaders/shared": ("what defines a result: the contract of each pass, one text for glslang and C++",
+        ["shaders/shared"], []),
+    "shaders": ("what the device runs: one `.comp` a kernel, `.glsl` for the text of several",
+        ["shaders/shared", "shaders/*.glsl"], []),  # .glsl: text of several kernels that C++ never reads
+    "host": ("how to talk to Vulkan; the only room that includes it; knows no triangle and no pixel",
+        ["host", "shaders/shared/status.h", "shaders/shared/exact.h", "shaders/shared/selftest.h", "spirv"], ["vulkan", "fmt"]),
+    "pipeline/transform": ("matrices in binary64, their steps and chains; knows no file and no pass",
+        ["pipeline/transform"], ["glm", "fmt"]),
+    "pipeline/scene": ("what is to be drawn: readers of files, meshes, materials, lights, cameras",
+        ["pipeline/scene", "pipeline/transform", "host/error.h"], ["glm", "fmt", "json", "toml"]),
+    "pipeline/passes": ("one step of a picture: its CPU twin and the recorder of its kernel",
+        ["pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv"], ["glm", "fmt"]),
+    "pipeline/render": ("the plan of a picture, and the passes strung together, on the device and by the twin",
+        ["pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv"],
+        ["glm", "fmt"]),
     # Shares no function with the passes: of render/ it reads types only.
-    "pipeline/truth": (["pipeline/truth", "pipeline/scene", "pipeline/render/render.h", "pipeline/render/frame.h", "host/error.h"], ["glm", "fmt"]),
-    "pipeline/measure": (["pipeline/measure", "pipeline/truth", "pipeline/render", "pipeline/scene", "host/error.h"], ["glm", "fmt"]),
-    "pipeline/image": (["pipeline/image", "pipeline/render", "pipeline/scene", "pipeline/passes/parallel.h", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
-    "pipeline/compare": (["pipeline/compare", "pipeline/image", "pipeline/render/frame.h", "pipeline/passes/parallel.h", "pipeline/scene", "host/error.h"],
-                         ["png", "exr", "fmt"]),
-    "pipeline/report": (["pipeline/report", "pipeline/image", "host/error.h"], ["json"]),
-    "pipeline/cli": (["pipeline/cli", "pipeline/scene", "host/error.h"], ["cli", "glm", "fmt"]),
-    "pipeline/bench": (["pipeline/bench", "pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv", "bench_spirv"],
-                       ["glm", "fmt", "eigen", "embree"]),
-    "pipeline/command": (["pipeline", "host"], ["cli", "glm", "fmt", "json"]),
-    "examples": (["plumbline"], ["glm"]),
-    "tests": (["host", "pipeline", "shaders", "tests", "spirv", "oracle_spirv"],
-              ["vulkan", "cli", "glm", "fmt", "json", "toml", "png", "zlib", "exr", "gtest"]),
-    "toolchain": (["toolchain"], []),  # nothing includes it, and it includes nothing of the product
+    "pipeline/truth": ("the picture in binary64, by code that shares no function with the passes",
+        ["pipeline/truth", "pipeline/scene", "pipeline/render/render.h", "pipeline/render/frame.h", "host/error.h"], ["glm", "fmt"]),
+    "pipeline/measure": ("error, bounds and times of every choice against one truth",
+        ["pipeline/measure", "pipeline/truth", "pipeline/render", "pipeline/scene", "host/error.h"], ["glm", "fmt"]),
+    "pipeline/image": ("a picture as a file: PNG, EXR, NPY, eyes side by side, inks",
+        ["pipeline/image", "pipeline/render", "pipeline/scene", "pipeline/passes/parallel.h", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
+    "pipeline/compare": ("two pictures from files: every measure, gates, heat map",
+        ["pipeline/compare", "pipeline/image", "pipeline/render/frame.h", "pipeline/passes/parallel.h", "pipeline/scene", "host/error.h"],
+        ["png", "exr", "fmt"]),
+    "pipeline/report": ("a measurement as one HTML file",
+        ["pipeline/report", "pipeline/image", "host/error.h"], ["json"]),
+    "pipeline/cli": ("the words of the command line as a request; knows no pass",
+        ["pipeline/cli", "pipeline/scene", "host/error.h"], ["cli", "glm", "fmt"]),
+    "pipeline/bench": ("the passes against other programs, and the claims of the lecture notes",
+        ["pipeline/bench", "pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv", "bench_spirv"],
+        ["glm", "fmt", "eigen", "embree"]),
+    "pipeline/command": ("the commands; ties all rooms together and is included by none",
+        ["pipeline", "host"], ["cli", "glm", "fmt", "json"]),
+    "examples": ("the library from outside, through the installed headers only",
+        ["plumbline"], ["glm"]),
+    "tests": ("what is true of all of it, by kind: unit, twin, oracle, golden, frame, stress, fault, fuzz, lint, browser",
+        ["host", "pipeline", "shaders", "tests", "spirv", "oracle_spirv"],
+        ["vulkan", "cli", "glm", "fmt", "json", "toml", "png", "zlib", "exr", "gtest"]),
+    "toolchain": ("the scripts that set up, build, test, measure and check",
+        ["toolchain"], []),  # nothing includes it, and it includes nothing of the product
 }
 
 THIRD_PARTY = {
@@ -139,7 +160,7 @@ def check(root):
         arrows[path], third_party[path] = [], set()
         if room is None:
             continue
-        inside, outside = ROOMS[room]
+        _, inside, outside = ROOMS[room]
         for m in INCLUDE.finditer(text):
             bracket, name = m.groups()
             place = f"{path}:{text.count(chr(10), 0, m.start()) + 1}"
@@ -183,6 +204,36 @@ def check(root):
         if through and room_of(path) not in ("host", "tests") and path not in through:
             faults.append(f"{path}: sees Vulkan through {sorted(through)[0]}; no Vulkan type leaves host/")
     return len(arrows), faults
+
+
+def table():
+    """The rooms in the order of data, as Markdown. A room may include itself, so that is left out."""
+    code = lambda words: ", ".join(f"`{word}`" for word in words) or "–"
+    lines = ["| room | answers | may include | libraries |", "|---|---|---|---|"]
+    for room, (answers, inside, outside) in ROOMS.items():
+        lines.append(f"| `{room}` | {answers} | {code(entry for entry in inside if entry != room)} | {', '.join(outside) or '–'} |")
+    return "\n".join(lines) + "\n"
+
+
+def with_table(text):
+    """(text with the table of the rooms in place of its own, number of tables that it had)."""
+    return re.subn(r"^\| room \|[^\n]*\n(?:\|[^\n]*\n)*", lambda m: table(), text, flags=re.M)
+
+
+def check_table(path, fix):
+    with open(path, encoding="utf-8") as f:
+        text = f.read()
+    wanted, count = with_table(text)
+    if count != 1:
+        print(f"{path}: has {count} tables that begin with \"| room |\"; one is wanted")
+        return 1
+    if wanted != text and fix:
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(wanted)
+    elif wanted != text:
+        print(f"{path}: its table of rooms is not that of check_rooms.py; write it with: toolchain/check_rooms.py --table --fix {os.path.relpath(path)}")
+        return 1
+    return 0
 
 
 def self_test():
@@ -229,6 +280,12 @@ def self_test():
             faults = check(root)[1]
             if bool(faults) != (path is not None):
                 missed.append(f"{claim}: {faults or 'unnoticed'}")
+    page = "# Page\n\n" + table() + "\nText.\n"
+    if with_table(page) != (page, 1):
+        missed.append("table: the printed one is not left as it is")
+    for claim, old in [("a room is missing", re.sub(r"\| `host`.*\n", "", page)), ("another answer", page.replace("Vulkan", "OpenGL", 1))]:
+        if old == page or with_table(old) != (page, 1):
+            missed.append(f"table: {claim}: unnoticed")
     for line in missed:
         print(line)
     print(f"check_rooms --self-test: {len(forbidden)} forbidden arrows, {len(missed)} wrong answers")
@@ -238,6 +295,11 @@ def self_test():
 def main():
     if sys.argv[1:] == ["--self-test"]:
         return self_test()
+    if sys.argv[1:] == ["--table"]:
+        print(table(), end="")
+        return 0
+    if sys.argv[1:2] == ["--table"]:
+        return check_table(sys.argv[-1], "--fix" in sys.argv[2:-1])
     root = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
     count, faults = check(root)
     for fault in faults:
