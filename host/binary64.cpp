@@ -31,17 +31,17 @@ std::vector<gpu::DoubleVector> doubleVectors() {
         state ^= state >> 7;
         return state ^= state << 17;
     };
-    // |x| in [2^lowest, 2^(lowest + exponents)).
+    // Random number with |x| in [2^lowest, 2^(lowest + exponents)).
     const auto number = [&](int lowest, uint32_t exponents) {
         const uint64_t bits = random();
         return (bits & (uint64_t(1) << 63)) | uint64_t(1023 + lowest + int((bits >> 52) % exponents)) << 52 | (random() >> 12);
     };
     std::vector<gpu::DoubleVector> vectors(gpu::kDoubleVectors);
     for (size_t i = 0; i < vectors.size(); ++i) {
-        // Half with near exponents, where sums cancel and round; half anywhere.
+        // Exponents: half of the pairs near each other, where sums cancel and round; half anywhere.
         uint64_t a = i % 2 == 0 ? number(0, 4) : number(-60, 120);
         const uint64_t b = i % 2 == 0 ? number(-30, 60) : number(-60, 120);
-        // The 29 bits that float32 does not have: half a unit, and beside it.
+        // Low 29 bits, which float32 does not have: half a unit, and values next to it.
         if (i % 4 == 1) a = (a & ~uint64_t(0x1fffffff)) | (0x10000000 + i / 4 % 3 - 1);
         const auto x = float(std::bit_cast<double>(number(-20, 40)));
         vectors[i] = {uint32_t(a), uint32_t(a >> 32), uint32_t(b), uint32_t(b >> 32), x};

@@ -32,7 +32,7 @@ uint64_t memAvailableBytes() {
     return UINT64_MAX;
 }
 
-// The smallest memory.max on the way from this process's cgroup to the root (cgroup v2), or the v1 limit.
+// Memory limit of this process: the smallest memory.max from its cgroup to the root (cgroup v2), or the v1 limit.
 uint64_t cgroupBytes() {
     uint64_t least = UINT64_MAX;
     const auto take = [&](const std::string& path) {
@@ -89,7 +89,7 @@ void MemoryPool::close(bool leak) {
     kept_.clear();
 }
 
-// Coherent always; cached first, because the host reads results (uncached reads are some 50 times slower).
+// Memory type: coherent always; cached first, because the host reads results (uncached reads are some 50 times slower).
 uint32_t MemoryPool::memoryType(uint32_t allowed, const char* name) const {
     const VkMemoryPropertyFlags wanted = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     for (const VkMemoryPropertyFlags extra : {VkMemoryPropertyFlags(VK_MEMORY_PROPERTY_HOST_CACHED_BIT), VkMemoryPropertyFlags(0)})
@@ -109,7 +109,7 @@ Block* MemoryPool::take(uint64_t bytes, const char* name) {
     for (auto it = kept_.begin(); it != kept_.end(); ++it)
         if (it->bytes >= rounded && it->bytes <= rounded + rounded / 4 + 65536 && (best == kept_.end() || it->bytes < best->bytes))
             best = it;
-    // Kept blocks count against the budget: the least recently freed go first.
+    // Blocks kept for reuse count against the budget: the least recently freed go first.
     const uint64_t extra = best != kept_.end() ? best->allocatedBytes : rounded;
     if (usedBytes_ + extra > budgetBytes_)
         throw renderError(fmt::format("buffer '{}': {} asked, {} of the memory budget of {} are in use", name, bytesText(bytes),

@@ -17,7 +17,7 @@ struct BufferImpl;
 
 class RawBuffer {
 public:
-    RawBuffer() noexcept;  // empty: may be bound nowhere
+    RawBuffer() noexcept;  // empty: must not be bound
     // Throws Error(failed) when the budget, maxMemoryAllocationSize or the device refuses.
     // Contents are undefined (recycled allocations are possible): clear what must be clear.
     RawBuffer(Device& device, uint64_t bytes, const char* name);
@@ -25,7 +25,7 @@ public:
     RawBuffer& operator=(RawBuffer&&) noexcept;
     ~RawBuffer();
 
-    uint64_t bytes() const;  // as asked for
+    uint64_t bytes() const;  // bytes that the caller asked for
     void* data();            // host address; coherent
     const void* data() const;
     explicit operator bool() const { return impl_ != nullptr; }
@@ -35,7 +35,7 @@ private:
     std::unique_ptr<BufferImpl> impl_;
 };
 
-// `count` elements of T. T has the same bytes in GLSL (scalar block layout).
+// Buffer of `count` elements of T. T has the same bytes in GLSL (scalar block layout).
 template <class T>
 class Buffer : public RawBuffer {
 public:
@@ -52,7 +52,7 @@ public:
         auto* words = static_cast<uint32_t*>(data());
         for (uint64_t i = 0; i < bytes() / 4; ++i) words[i] = word;
     }
-    // Grows to at least `count` elements; contents are lost when it grows. Grows by a quarter more than asked.
+    // Grows to at least `count` elements, by a quarter more than asked; contents are lost then.
     void reserve(Device& device, uint64_t count, const char* name) {
         if (count > count_ || !*this) *this = Buffer(device, count + count / 4 + 16, name);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which device is used and why: the words of --device and --require-device over a list of devices.
+// Choice of the device and its reason: the words of --device and --require-device over a list of devices.
 #include "host/vulkan.h"
 
 #include <fmt/core.h>
@@ -23,7 +23,7 @@ std::string lower(std::string text) {
 
 bool isGpu(const DeviceInfo& d) { return d.type == "discrete" || d.type == "integrated" || d.type == "virtual"; }
 
-// auto takes the first usable of: discrete, integrated, virtual GPU, lavapipe, other CPU device, anything else.
+// Rank of a device under auto, best first: discrete, integrated, virtual GPU, lavapipe, other CPU device, anything else.
 int rank(const DeviceInfo& d) {
     if (d.type == "discrete") return 0;
     if (d.type == "integrated") return 1;
@@ -114,7 +114,7 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
 }
 
 DeviceChoice Device::choose(const DeviceRequest& request) {
-    // Neither word needs Vulkan to be looked at.
+    // The twin needs no Vulkan, so no loader is touched for it.
     if (lower(request.prefer) == "twin") return chooseDevice({}, {}, request);
     std::string why;
     const std::shared_ptr<Instance> instance = Instance::acquire(validationWanted(request), why);

@@ -163,7 +163,7 @@ Instance::~Instance() {
 
 std::vector<VkPhysicalDevice> Instance::physicalDevices() const {
     uint32_t count = 0;
-    // A driver whose hardware is absent answers VK_ERROR_INITIALIZATION_FAILED: nothing there, not a fault of ours.
+    // A driver whose hardware is absent answers VK_ERROR_INITIALIZATION_FAILED: there is no device, and no fault of ours.
     if (vkEnumeratePhysicalDevices(handle, &count, nullptr) != VK_SUCCESS) return {};
     std::vector<VkPhysicalDevice> devices(count);
     const VkResult result = vkEnumeratePhysicalDevices(handle, &count, devices.data());
@@ -178,7 +178,7 @@ namespace {
 
 constexpr uint32_t kNoFamily = ~0u;
 
-// The first family with compute, or the first of them with time stamps.
+// Index of the compute queue family: the first one with time stamps, else the first one.
 uint32_t computeFamily(const std::vector<VkQueueFamilyProperties>& families) {
     uint32_t best = kNoFamily;
     for (uint32_t i = 0; i < families.size(); ++i)
@@ -196,7 +196,7 @@ std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice physical) {
     return families;
 }
 
-// Everything asked of a device of Vulkan 1.2 or later, in one place; self-referencing, so it stays where it is made.
+// Queried properties and features of a device of Vulkan 1.2 or later. Do not copy or move: pNext points into the struct.
 struct Queried {
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
     VkPhysicalDeviceFloatControlsProperties floats{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES, &subgroup};
@@ -362,10 +362,10 @@ DeviceImpl::~DeviceImpl() {
     for (auto& [key, begun] : making) {
         try {
             destroy(begun.get());
-        } catch (const Error&) {  // nobody asked for it
+        } catch (const Error&) {  // result of a pipeline that nobody used
         }
     }
-    // Work that does not end cannot be cancelled, and its memory cannot be freed under it: leave both behind.
+    // Work that does not end cannot be cancelled, and its memory cannot be freed under it: both are left behind.
     if (memory) memory->close(hung);
     if (hung) {
         new std::shared_ptr<Instance>(instance);  // leaked on purpose
@@ -393,7 +393,7 @@ std::unique_ptr<DeviceImpl> openImpl(const DeviceChoice& choice, const DeviceReq
     const std::vector<VkPhysicalDevice> devices = impl->instance->physicalDevices();
     for (uint32_t i = 0; i < devices.size(); ++i) {
         const DeviceInfo info = describe(devices[i], i);
-        // The order may have changed since the choice: identity decides, the index only between equals.
+        // The order of devices may have changed since the choice. Identity decides; the index decides only between equals.
         if (info.uuid == choice.info.uuid && info.name == choice.info.name && (!impl->physical || i == choice.info.index)) {
             impl->physical = devices[i];
             impl->info = info;

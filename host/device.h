@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Devices: what was found, what was picked and why, and what it can do. No Vulkan type leaves host/:
-// this header is all that pipeline/ sees of a device. Knows no triangle and no pixel.
+// Devices: those found, the one picked and why, and its limits. No Vulkan type leaves host/: pipeline/ sees a device through this header
+// only. Knows no triangle and no pixel.
 #pragma once
 
 #include <array>
@@ -13,20 +13,20 @@
 
 namespace plumb {
 
-// One entry of `plumb devices`. The twin (the CPU reference) is not a Vulkan device and is not listed here.
+// Entry of `plumb devices`. The twin (the CPU reference) is not a Vulkan device and is not listed here.
 struct DeviceInfo {
     uint32_t index = 0;           // order in which the loader lists it
     std::string name;             // e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"
     std::string type;             // "cpu", "integrated", "discrete", "virtual", "other"
     std::string driver;           // VkPhysicalDeviceDriverProperties::driverName
-    std::string driverInfo;       // ... driverInfo
+    std::string driverInfo;       // VkPhysicalDeviceDriverProperties::driverInfo
     std::string apiVersion;       // "1.3.230"
     std::string uuid;             // 32 hex digits
     bool lavapipe = false;        // driver id is MESA_LLVMPIPE
     std::string unusableBecause;  // empty when it can run every base module
 };
 
-// Read from the device, never constants. Tests shrink them through PLUMB_LIMITS (see Device::open).
+// Limits read from the device, never constants. Tests shrink them through PLUMB_LIMITS (see Device::open).
 struct DeviceLimits {
     uint64_t storageRangeBytes = 0;  // maxStorageBufferRange
     uint64_t texelElements = 0;      // maxTexelBufferElements
@@ -43,16 +43,16 @@ struct DeviceLimits {
     bool int64 = false;
     bool float64 = false;
     bool hasGraphicsQueue = false;
-    uint32_t subPixelBits = 0;  // of the device's own rasteriser (host/graphics.h)
+    uint32_t subPixelBits = 0;  // VkPhysicalDeviceLimits::subPixelPrecisionBits, of the device's own rasteriser (host/graphics.h)
 };
 
-// What the start-up self-test and the canaries found (docs/accuracy.md, start-up self-test).
+// Findings of the start-up self-test and of the canaries (docs/accuracy.md, Start-up self-test).
 struct SelfTest {
     bool exactAddMul = false;          // + - * correctly rounded; otherwise the twin draws, and says so
     bool exactConversions = false;     // int <-> float, imulExtended
     bool nativeDivideIsExact = false;  // x/y is IEEE here: the shaders may use it
     bool nativeRootIsExact = false;
-    bool emulatedDivideIsExact = false;  // cdiv of shaders/shared/exact.h, the fallback
+    bool emulatedDivideIsExact = false;  // emulatedDivide() of shaders/shared/exact.h, the fallback
     bool emulatedRootIsExact = false;
     uint32_t loopLimit = 0;  // iterations after which a loop silently stops; 0 = none seen up to 80,000
     bool fromCache = false;
@@ -60,30 +60,30 @@ struct SelfTest {
     std::string failure;  // empty: the device may draw; otherwise one sentence
 };
 
-// --device and --require-device words: auto, twin, lavapipe, gpu, software, INDEX, UUID, SUBSTRING.
+// Words of --device and --require-device: auto, twin, lavapipe, gpu, software, INDEX, UUID, SUBSTRING.
 struct DeviceRequest {
     std::string prefer = "auto";
-    std::string require;             // empty: anything; else exit 4 rather than use another
+    std::string require;             // empty: any device; otherwise exit 4 rather than use another
     bool validation = false;         // core + synchronization validation; messages are collected
     uint64_t memoryBudgetBytes = 0;  // 0: min(heap, half of MemAvailable, cgroup limit)
 };
 
-// The answer of chooseDevice(). `twin` true: no device is used, the CPU twin draws.
+// Answer of chooseDevice(). `twin` true: no device is used, the CPU twin draws.
 struct DeviceChoice {
     bool twin = false;
     DeviceInfo info;                     // valid when !twin
     std::string reason;                  // one sentence, printed with -v and in JSON
     std::string advice;                  // when nothing was found: what to install, in one or two lines; for stderr
     std::vector<std::string> notChosen;  // "name: why", one each
-    std::shared_ptr<void> keepAlive;     // what the choice has already loaded, for open(); opaque
+    std::shared_ptr<void> keepAlive;     // instance that the choice has already loaded, for open(); opaque
 };
 
-// The rule behind Device::choose, over any list. `whyNone` explains an empty list.
+// Rule of Device::choose(), over any list. `whyNone` explains an empty list.
 DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& whyNone, const DeviceRequest& request);
 
 struct DeviceImpl;
 
-// An open device with one compute queue. Move-only; ready after construction; frees everything it owns.
+// Open device with one compute queue. Move-only; ready after construction; frees everything it owns.
 class Device {
 public:
     // Lists what the loader finds; empty without loader or ICD. Never throws for "nothing there".

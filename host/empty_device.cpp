@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every program on this device pays: creates the first Vulkan device with one queue, and ends. Measured by toolchain/bench_start.py;
+// Floor of every program on this device: creates the first Vulkan device with one queue, and ends. Measured by toolchain/bench_start.py;
 // built on demand only.
 #include <volk.h>
 #include <cstdint>

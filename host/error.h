@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How things fail. One exception type that knows the exit code of the command; it is thrown where the
-// fault is found and caught in main (and in the few places that docs/decisions.md lists).
+// Errors. One exception type knows the exit code of the command. It is thrown where the fault is found and caught in main (and in the few
+// places that docs/decisions.md lists).
 #pragma once
 
 #include <cstdio>
@@ -34,19 +34,20 @@ private:
     Exit exit_;
 };
 
-// A shader's loops took more steps than the device gives an invocation (lavapipe: 65,535): the work is to be cut smaller, if it can be.
+// Error of a shader whose loops took more steps than the device gives an invocation (lavapipe: 65,535). The caller may cut the work
+// smaller.
 class LoopBudgetError : public Error {
 public:
     explicit LoopBudgetError(const std::string& message) : Error(Exit::failed, message) {}
 };
 
-// The user's input is refused: `place` is "file:line:column", "file: byte N" or "file: /json/pointer".
+// Error of refused user input: `place` is "file:line:column", "file: byte N" or "file: /json/pointer".
 inline Error inputError(const std::string& place, const std::string& message) { return Error(Exit::input, place + ": " + message); }
 inline Error usageError(const std::string& message) { return Error(Exit::usage, message); }
 inline Error deviceError(const std::string& message) { return Error(Exit::device, message); }
 inline Error renderError(const std::string& message) { return Error(Exit::failed, message); }
 
-// A mistake of ours: stays on in every build, prints and aborts.
+// Failure of our own: stays on in every build, prints and aborts.
 [[noreturn]] inline void assertionFailed(const char* condition, const char* file, int line) {
     std::fprintf(stderr, "plumb: internal error: %s is false at %s:%d\n", condition, file, line);
     std::abort();

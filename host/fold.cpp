@@ -25,11 +25,11 @@ constexpr uint32_t kDecorationSpecId = 1;
 constexpr uint32_t kMostNames = 4194304;  // 2.17, universal limits
 
 using Words = std::span<const uint32_t>;
-using Value = std::optional<uint32_t>;  // of an id; none: not known here
+using Value = std::optional<uint32_t>;  // value of an id; none: not known here
 
 uint32_t opOf(Words in) { return in[0] & 0xffffu; }
 
-// Of scalar integers of 32 bits and truth values; an operand of another kind is never known.
+// Value of an operation on 32-bit integers and truth values. An operand of another kind is never known.
 Value evaluate(uint32_t op, Value x, Value y, Value z) {
     if (op == kOpLogicalAnd && ((x && !*x) || (y && !*y))) return 0;
     if (op == kOpLogicalOr && ((x && *x) || (y && *y))) return 1;
@@ -117,8 +117,8 @@ public:
 
 private:
     struct Block {
-        size_t begin = 0, end = 0;      // words, from its label to its terminator
-        uint32_t label = 0, taken = 0;  // taken: the only side of its branch; 0: the branch stays
+        size_t begin = 0, end = 0;      // range of words, from its label to its terminator
+        uint32_t label = 0, taken = 0;  // taken: label of the only side of its branch; 0: the branch stays
         bool live = false;
         std::vector<uint32_t> next;  // labels that it branches to, once live
     };
@@ -142,7 +142,7 @@ private:
         return all;
     }
     static bool isDebug(uint32_t op) { return (op >= kOpSourceContinued && op <= kOpLine) || op == kOpNoLine || op == kOpModuleProcessed; }
-    // The id that an instruction of a function makes, or 0. Such instructions, and no others, have a type or are labels.
+    // Id that an instruction of a function makes, or 0. Such instructions, and no others, have a type or are labels.
     uint32_t resultOf(Words in) const {
         if (opOf(in) == kOpLabel) return in[1];
         return in.size() > 2 && in[1] < names_ && isType_[in[1]] ? in[2] : 0;
@@ -151,7 +151,7 @@ private:
         if (id >= names_) fail("an id beyond the bound");
         return id;
     }
-    // Literals may stand where another instruction has an id: whoever asks knows which it is.
+    // Known value of the id at `word`. The caller knows that the word is an id: literals may stand where another instruction has an id.
     Value known(Words in, size_t word) const { return word < in.size() && in[word] < names_ ? known_[in[word]] : std::nullopt; }
 
     void readGlobals(const ConstantsById& constants) {
@@ -162,7 +162,7 @@ private:
         isWord_.resize(names_);
         known_.resize(names_);
         functionOf_.resize(names_, kNone);
-        std::map<uint32_t, uint32_t> given;  // by id
+        std::map<uint32_t, uint32_t> given;  // constants by id
         globals_ = words_.size();
         for (const Words in : instructions(at(kHeaderWords, words_.size()))) {
             const uint32_t op = opOf(in);
@@ -230,7 +230,7 @@ private:
         return it == f.blocks.end() ? nullptr : &*it;
     }
 
-    // Blocks stand after those that dominate them, so one walk mostly does; a second one sees that nothing is left.
+    // Visits the live blocks. Blocks stand after those that dominate them, so one round mostly suffices; the next finds nothing new.
     void walk(Function& f) {
         if (f.blocks.empty()) return;
         f.blocks[0].live = true;
@@ -259,7 +259,7 @@ private:
             else if (const uint32_t id = resultOf(in); id != 0 && in.size() > 3)
                 known_[checked(id)] = evaluate(op, known(in, 3), known(in, 4), known(in, 5));
             if (op == kOpSelectionMerge || op == kOpLoopMerge) {
-                // What a construct names must stay, reached or not.
+                // Blocks that a merge instruction names must stay, reached or not.
                 merge = in;
                 block.next.push_back(in[1]);
                 if (op == kOpLoopMerge) block.next.push_back(in[2]);
@@ -281,13 +281,13 @@ private:
     static bool comesFrom(const Block& from, uint32_t label) {
         return from.live && std::find(from.next.begin(), from.next.end(), label) != from.next.end();
     }
-    // Known where all edges that are left bring the same.
+    // Value of a phi: known when all live predecessors give the same value.
     Value phi(Function& f, const Block& block, Words in) const {
         Value value;
         bool first = true;
         for (size_t i = 3; i + 1 < in.size(); i += 2) {
             const Block* from = find(f, in[i + 1]);
-            if (!from || from >= &block) return std::nullopt;  // a loop's: not walked yet
+            if (!from || from >= &block) return std::nullopt;  // predecessor of a loop: not visited yet
             if (!comesFrom(*from, block.label)) continue;
             const Value here = known(in, i);
             if (!here || (!first && *here != *value)) return std::nullopt;
@@ -334,7 +334,7 @@ private:
         }
         if (!f.blocks.empty()) body.push_back(1u << 16 | kOpFunctionEnd);
     }
-    // Whether a live block branches there; what only a construct names brings nothing.
+    // True when live block `from` branches to `to`. A block kept only because a merge instruction names it is no predecessor.
     bool arrives(const Function& f, uint32_t from, uint32_t to) const {
         for (const Block& block : f.blocks) {
             if (block.label != from) continue;
@@ -346,7 +346,7 @@ private:
         return false;
     }
 
-    // Of functions, that nothing of what is left names.
+    // Removes function-local variables that no remaining instruction uses.
     void dropVariables(std::vector<uint32_t>& body, const std::vector<bool>& used, std::vector<bool>& gone) const {
         std::vector<uint32_t> left;
         left.reserve(body.size());
@@ -362,11 +362,11 @@ private:
     static constexpr size_t kNone = ~size_t(0);
     std::string_view name_;
     Words words_;
-    uint32_t names_ = 0, entry_ = 0;     // names_: ids are below
+    uint32_t names_ = 0, entry_ = 0;     // names_: all ids are below it
     size_t globals_ = 0;                 // words before the first function
     std::vector<bool> isType_, isWord_;  // isWord_: truth values and integers of 32 bits
     std::vector<Value> known_;
-    std::vector<size_t> functionOf_;  // by id, into functions_
+    std::vector<size_t> functionOf_;  // index into functions_ by id
     std::vector<Function> functions_;
     std::vector<size_t> called_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a module's specialization constants decide, decided before the driver reads it: a branch on a constant keeps the side that is taken, and
-// what nobody calls or names any more is left out. lavapipe's front end translates, inlines and unrolls the other side first and drops it then.
+// Folds a module's specialization constants before the driver reads it. A branch on a constant keeps only the side that is taken; functions
+// and names that nothing uses any more are left out. Without this lavapipe's front end translates, inlines and unrolls the other side first
+// and drops it then.
 #pragma once
 
 #include "host/program.h"
@@ -10,9 +11,9 @@
 
 namespace plumb {
 
-// A module that does what `module` does where its constants have the values of `constants` or their defaults. No instruction that stays is
-// changed but branches and phis; decorations stay with what they decorate; names are left out. Constant ids are those of `module`.
-// Throws Error(device) naming the module where the words are not SPIR-V.
+// Folded module: it does what `module` does where its constants have the values of `constants` or their defaults. Remaining instructions
+// are unchanged but for branches and phis; decorations stay; names are left out. Constant ids are those of `module`. Throws Error(device)
+// naming the module where the words are not SPIR-V.
 std::vector<uint32_t> foldConstants(const Module& module, const ConstantsById& constants);
 
 }  // namespace plumb

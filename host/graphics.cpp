@@ -110,7 +110,8 @@ struct GraphicsImpl {
         subpass.colorAttachmentCount = 1;
         subpass.pColorAttachments = &colour;
         subpass.pDepthStencilAttachment = &depth;
-        // The copies of the frame before have read what this one clears; its own copies read what this one draws.
+        // Dependencies between frames: the copies of the frame before have read the images that this one clears, and its own copies read
+        // what this one draws.
         std::array<VkSubpassDependency, 2> edges{};
         edges[0].srcSubpass = VK_SUBPASS_EXTERNAL;
         edges[0].srcStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The device's own graphics pipeline: what `plumb bench raster` measures the passes against, and a witness of the tests. No picture of
-// the product is drawn with it. One colour and one D32 attachment, one vertex buffer, triangles; a greater depth wins, the earlier
-// triangle on a tie; nothing drawn is colour `clearColour` and depth 0. Both come back in mapped memory.
+// Graphics pipeline of the device itself: the opponent of `plumb bench raster`, and a witness of the tests. The product draws no picture
+// with it. One colour and one D32 attachment, one vertex buffer, triangles. A greater depth wins, the earlier triangle on a tie. Pixels
+// without a triangle have colour `clearColour` and depth 0. Both attachments come back in mapped memory.
 #pragma once
 
 #include "host/buffer.h"
@@ -16,7 +16,7 @@ namespace plumb {
 
 enum class VertexFormat : uint32_t { float3, float4, word };
 
-struct VertexInput {  // its location is its place in the list
+struct VertexInput {  // its location is its index in the list
     VertexFormat format = VertexFormat::float4;
     uint32_t offset = 0;  // bytes in a vertex
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An embedded SPIR-V module. Alone here because every generated source includes it.
+// An embedded SPIR-V module. This header has nothing else, because every generated source includes it.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace plumb {
 struct Module {
     std::string_view name;  // stem of the .comp
     std::span<const uint32_t> words;
-    std::string_view sha256;  // of the words, hex
+    std::string_view sha256;  // SHA-256 of the words, hex
 };
 
 }  // namespace plumb

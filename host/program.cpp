@@ -43,7 +43,7 @@ class ModuleReader {
 public:
     explicit ModuleReader(const Module& module) : name_(module.name), words_(module.words) { index(); }
 
-    // The module's specialization constants, by rising constant_id: number and name.
+    // Specialization constants of the module, by rising constant_id: number and name.
     std::vector<std::pair<uint32_t, std::string>> specialized() const {
         std::vector<std::pair<uint32_t, std::string>> found;
         for (const auto& [key, value] : decorations_)
@@ -144,7 +144,7 @@ private:
                     break;
                 case kOpFunction:
                     at = words_.size();
-                    break;  // nothing to reflect in bodies
+                    break;  // bodies have nothing to reflect
                 default:
                     break;
             }
@@ -166,7 +166,7 @@ private:
         const auto it = names_.find(id);
         return it == names_.end() ? std::string() : it->second;
     }
-    // glslang gives the constants of local_size_x_id, ... no name.
+    // Name of a constant. glslang gives the constants of local_size_x_id, ... none.
     std::string nameOfConstant(uint32_t id) const {
         constexpr const char* kSizes[] = {"kLocalSizeX", "kLocalSizeY", "kLocalSizeZ"};
         if (std::string name = nameOf(id); !name.empty()) return name;
@@ -204,7 +204,7 @@ private:
         }
     }
 
-    // The three constants of a workgroup's size; empty where it is three literals. A constant decorated WorkgroupSize
+    // Constants of the workgroup's size, three; empty where it is three literals. A constant decorated WorkgroupSize
     // overrides the execution mode; glslang writes it for local_size_x_id.
     Instruction sizeIds() const {
         for (const auto& [key, value] : decorations_)
@@ -265,7 +265,7 @@ private:
     void addVariable(uint32_t id, Reflection& result) const {
         const Instruction variable = definition(id, 4);
         const uint32_t storageClass = variable[3];
-        const uint32_t type = definition(variable[1], 4)[3];  // what the pointer points to
+        const uint32_t type = definition(variable[1], 4)[3];  // type that the pointer points to
         if (storageClass == kPushConstant) {
             result.pushConstantBytes = sizeOf(type);
             return;
@@ -331,7 +331,8 @@ std::string keyOf(const Module& module, const Specialization& constants) {
     return key;
 }
 
-// The values given, by the numbers of the module's constants, each of which must be given; kNativeDivide and kNativeRoot default to the self-test's.
+// Given values by constant_id. Each constant of the module must be given; kNativeDivide and kNativeRoot default to the self-test's
+// findings.
 ConstantsById constantsById(const Module& module, const ModuleReader& reader, const SelfTest& selfTest, Specialization given) {
     ConstantsById byId;
     std::string has;
@@ -411,7 +412,7 @@ Program DeviceImpl::make(const Module& module, const Specialization& constants) 
                                                    : "bindings",
                                           stageBindings[i]));
 
-    // A failure below leaks nothing.
+    // Frees a half-made pipeline when a step below throws.
     struct Discard {
         const DeviceImpl& device;
         Program& program;

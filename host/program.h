@@ -19,9 +19,9 @@ enum class TexelType : uint32_t { none, floating, unsignedInt, signedInt };
 struct ReflectedBinding {
     uint32_t binding = 0;
     BindingKind kind = BindingKind::storage;
-    uint32_t strideBytes = 0;  // of the runtime array's element; 0 for texel buffers
+    uint32_t strideBytes = 0;  // stride of the runtime array's element; 0 for texel buffers
     TexelType texel = TexelType::none;
-    std::string name;  // of the texel buffer, or of the block
+    std::string name;  // name of the texel buffer, or of the block
     bool readonly = false, writeonly = false;
 };
 
@@ -31,18 +31,19 @@ struct Reflection {
     uint32_t localSize[3] = {1, 1, 1};        // default; a LocalSizeId is resolved against the constants given
     std::vector<uint32_t> specializationIds;  // sorted
     std::vector<std::string>
-        specializationNames;  // of the same constants; kLocalSizeX, Y, Z for local_size_x_id, ...; empty where the module has no names
+        // names of the constants in specializationIds; kLocalSizeX, Y, Z for local_size_x_id, ...; empty where the module has no names
+        specializationNames;
 };
 
-// The values of a module's constants by constant_id: what Vulkan takes.
+// Values of a module's constants by constant_id, as Vulkan takes them.
 using ConstantsById = std::map<uint32_t, uint32_t>;
 
-// Throws Error(device) naming the module when the words are not a compute module this reader understands.
+// Reflection of a module's words. Throws Error(device) naming the module when they are not a compute module this reader understands.
 Reflection reflect(const Module& module, const ConstantsById& constants = {});
 
-// The values of a module's constants by their names in the shader: 32 bits each (bool 0/1, int, float bits). A pipeline is made only when every
-// constant of its module is given, so that none keeps a default by mistake. kNativeDivide and kNativeRoot (shaders/shared/exact.h) may be left
-// out: they are then what the device's self-test found.
+// Values of a module's constants by their names in the shader: 32 bits each (bool 0/1, int, float bits). A pipeline is made only when every
+// constant of its module is given, so that none keeps a default by mistake. kNativeDivide and kNativeRoot (shaders/shared/exact.h) may be
+// left out; they default to the findings of the device's self-test.
 using Specialization = std::map<std::string, uint32_t>;
 
 }  // namespace plumb

@@ -74,7 +74,7 @@ ViewFormat viewFormat(View view) {
     return {VK_FORMAT_UNDEFINED, TexelType::none, 1};
 }
 
-// What is bound, in bytes of the whole buffer, after every refusal.
+// Byte range of a binding after all checks.
 struct CheckedRange {
     uint64_t offset, range;
 };
@@ -115,7 +115,7 @@ CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, cons
     return {bound.offset, range};
 }
 
-// The bindings given, in the order of the module's own after its status. Each of the module's is given once, and nothing else.
+// Given bindings in the order of the module's own after its status. Each of the module's is given once, and nothing else.
 std::vector<const Binding*> ordered(const Module& module, const Reflection& reflection, std::span<const Binding> given) {
     std::vector<const Binding*> inOrder(reflection.bindings.size() - 1);
     for (const Binding& binding : given) {
@@ -135,7 +135,7 @@ std::vector<const Binding*> ordered(const Module& module, const Reflection& refl
 struct RecorderImpl {
     struct Command {
         std::string label;
-        bool counted = false;  // a dispatch, with a status slot
+        bool counted = false;  // true for a dispatch, which has a status slot
         uint32_t slot = 0, groups = 0;
     };
 
@@ -144,19 +144,19 @@ struct RecorderImpl {
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
     std::vector<VkDescriptorPool> descriptorPools;
-    size_t descriptorPool = 0;  // the one in use
+    size_t descriptorPool = 0;  // index of the pool in use
     std::vector<VkQueryPool> queryPools;
-    std::vector<BufferImpl> statusBuffers;  // kSlotsPerBuffer each
+    std::vector<BufferImpl> statusBuffers;  // kSlotsPerBuffer slots each
     std::vector<Command> recorded;
     uint32_t slots = 0;
     bool recording = false;
-    double apartMs = 0;          // watchdog of commands that run one by one; 0: they do not
-    uint32_t everyCommands = 0;  // 0: as many as there are
+    double apartMs = 0;          // watchdog of commands that run one by one; 0: they run together
+    uint32_t everyCommands = 0;  // 0: no limit
     double everyMs = 0;
     std::function<void()> between;
     std::vector<PassTime> times;
-    std::optional<std::vector<std::string>> allowed;  // labels; none: all
-    std::map<std::string, std::string> skipped;       // label: why
+    std::optional<std::vector<std::string>> allowed;  // labels that may be used; none: all
+    std::map<std::string, std::string> skipped;       // reason by label
 
     explicit RecorderImpl(DeviceImpl& d);
     gpu::StatusSlot& status(uint32_t slot) const;
@@ -221,7 +221,7 @@ void RecorderImpl::begin() {
     recording = true;
 }
 
-// A full barrier to what came before, and the first time stamp.
+// Begins a command: a full barrier to earlier commands, and the first time stamp.
 void RecorderImpl::beginCommand() {
     if (!recorded.empty()) {
         const VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
@@ -244,7 +244,7 @@ void RecorderImpl::beginCommand() {
         }
         device.vk.vkCmdResetQueryPool(commands, queryPools[query / kQueriesPerPool], 0, kQueriesPerPool);
     }
-    // At the bottom: it waits for everything before, so passes do not overlap in the report.
+    // Time stamp at the bottom of the pipe: it waits for everything before, so passes do not overlap in the report.
     device.vk.vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queryPools[query / kQueriesPerPool],
                                   query % kQueriesPerPool);
 }

@@ -23,7 +23,7 @@ namespace plumb {
 
 enum class View : uint32_t { storage, texelU32, texelU32x2, texelU32x4, texelF32, texelF32x4 };
 
-// A buffer for one binding of a dispatch, by the name that the shader gives it: that of a texel buffer, or of a block.
+// Buffer for one binding of a dispatch, by the name that the shader gives the texel buffer or the block.
 // A storage range or a texel count above the device's limit is refused with a sentence.
 struct Binding {
     const char* name = "";
@@ -67,27 +67,27 @@ public:
         static_assert(sizeof(Push) % 4 == 0);
         record(label, module, items, &push, sizeof(Push), bindings, constants);
     }
-    // Begins to make the pipeline of a later dispatch, with just these constants, on a thread of its own: a driver may take longer for a large
-    // module than for all that comes before it. What goes wrong is thrown by that dispatch. `module` lives as long as the device.
+    // Begins to make the pipeline of a later dispatch, with exactly these constants, on a thread of its own. For a large module a driver
+    // may take longer than everything before that dispatch. Errors are thrown by the dispatch. `module` lives as long as the device.
     void prepare(const Module& module, const Specialization& constants);
-    // From now on a dispatch or fill under any other label is refused (Error(failed), one sentence).
+    // Restricts labels: every later dispatch or fill under another label is refused (Error(failed), one sentence).
     void allow(std::vector<std::string> labels);
-    // States that what goes by this label had nothing to do; so does a dispatch of 0 items.
+    // States that the pass of this label had nothing to do; a dispatch of 0 items states it too.
     void skip(const char* label, const char* why);
-    // Labels that had nothing to do since the last call, with the reason stated last.
+    // Labels of passes that had nothing to do since the last call, with the reason stated last.
     std::map<std::string, std::string> takeSkipped();
     void fill(const char* label, const RawBuffer& buffer, uint32_t word, uint64_t offset = 0, uint64_t bytes = 0);
 
-    // Submits what was recorded, waits (time-out `watchdogMs`), checks the status slots, collects the times, and
+    // Submits the recorded commands, waits (time-out `watchdogMs`), checks the status slots, collects the times, and
     // is empty again. Throws Error(failed): "fill: 12 of 240 workgroups did not finish", "... loop budget", lost, timeout.
     void run(double watchdogMs = 60000);
 
-    // From now on what was recorded is run by itself whenever it has `commands` commands, and `between` called then: for pictures of many
-    // dispatches, so that the watchdog waits for some seconds of work and an interrupt is heard.
+    // Makes the recorder run by itself whenever it has `commands` commands, and call `between` then. For pictures of many dispatches: the
+    // watchdog waits for a few seconds of work, and an interrupt is noticed.
     void runEvery(uint32_t commands, double watchdogMs, std::function<void()> between);
 
-    // From now on every command is submitted and waited for by itself, and its time is the host's: for looking at passes, not for speed.
-    // Time stamps within one submission of lavapipe do not wait for the work between them once the device is warm.
+    // Makes the recorder submit every later command by itself and wait for it; its time is the host's. For comparing passes, not for speed:
+    // time stamps within one submission of lavapipe do not wait for the work between them once the device is warm.
     void timeApart(double watchdogMs);
 
     // Times of everything run since the last takeTimes(), in order of first appearance.

@@ -37,7 +37,7 @@ uint64_t fnv1a(std::string_view text) {
     return hash;
 }
 
-// A verdict without the canaries, and without what only this run knows.
+// Sets the failure that the full vectors show; canaries have their own.
 void setFailure(SelfTest& verdict) {
     if (!verdict.exactAddMul)
         verdict.failure = "the device does not round + - * of float32 to nearest even";
@@ -61,7 +61,7 @@ void runCanaries(Device& device, Recorder& recorder, SelfTest& verdict) {
     verdict.loopLimit = 0;
     bool divide = true, root = true;
     for (uint32_t lane = 0; lane < gpu::kCanaryLanes; ++lane) {
-        // Where lavapipe cuts a loop its variables disagree by one iteration; the state says how many really ran.
+        // Iterations that ran. Where lavapipe cuts a loop its variables disagree by one; the state tells how many really ran.
         uint32_t state = lane, done = 0;
         while (done < gpu::kCanaryIterations && (done == 0 || state != got[lane].state)) state = gpu::nextState(state), ++done;
         if (state != got[lane].state || done + 1 < got[lane].iterations || got[lane].iterations < done)
@@ -106,7 +106,7 @@ std::string readWhole(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Whole or not at all: a temporary file in the same folder, renamed.
+// Writes the cache whole or not at all: a temporary file in the same folder, renamed.
 void writeCache(const std::filesystem::path& path, const std::string& text) {
     std::error_code ignored;
     std::filesystem::create_directories(path.parent_path(), ignored);
@@ -150,7 +150,7 @@ std::vector<gpu::SelfTestVector> selfTestVectors() {
     std::vector<gpu::SelfTestVector> vectors(gpu::kSelfTestVectors);
     for (uint32_t i = 0; i < vectors.size(); ++i) {
         gpu::SelfTestVector& v = vectors[i];
-        // Half with near exponents, where sums cancel and round; half anywhere in [2^-60, 2^60].
+        // Exponents: half of the pairs near each other, where sums cancel and round; half anywhere in [2^-60, 2^60].
         v.x = i % 2 == 0 ? real(0u, 4u) : real(0u - 60u, 120u);
         v.y = i % 2 == 0 ? real(0u - 24u, 48u) : real(0u - 60u, 120u);
         v.i = random();
@@ -197,7 +197,7 @@ std::string selfTestCacheText(const SelfTest& verdict, const std::string& key) {
 }
 
 bool readSelfTestCache(const std::string& text, const std::string& key, SelfTest& verdict) {
-    // What is read is accepted only if it would be written just so.
+    // A text is accepted only if it is exactly what would be written for its verdict.
     std::istringstream lines(text);
     std::string version, storedKey;
     std::getline(lines, version);
@@ -222,7 +222,7 @@ SelfTest runSelfTest(Device& device) {
     if (cached) {
         const SelfTest before = verdict;
         runCanaries(device, recorder, verdict);
-        // A canary that contradicts the stored verdict: the machine has changed under the key.
+        // False when a canary contradicts the stored verdict: the machine has changed under the key.
         cached = verdict.exactAddMul == before.exactAddMul && verdict.nativeDivideIsExact == before.nativeDivideIsExact &&
                  verdict.nativeRootIsExact == before.nativeRootIsExact;
     }

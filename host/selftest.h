@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The start-up self-test: what of docs/accuracy.md's exact subset this device keeps. There is no out-of-bounds canary:
+// The start-up self-test: which parts of docs/accuracy.md's exact subset this device keeps. There is no out-of-bounds canary:
 // without robustBufferAccess reading out of bounds is undefined and may lose a real GPU; modules clamp instead.
 #pragma once
 
@@ -12,19 +12,18 @@
 
 namespace plumb {
 
-// Canaries always; the full vectors unless $XDG_CACHE_HOME/plumbline (else ~/.cache/plumbline) holds their verdict for
-// this device, driver and module. A cache that is missing, corrupt or unwritable costs time only;
-// a verdict that refuses the device is not stored.
-// Throws Error when the device cannot run a dispatch at all.
+// Runs the canaries always, and the full vectors unless $XDG_CACHE_HOME/plumbline (else ~/.cache/plumbline) holds their verdict for this
+// device, driver and module. A cache that is missing, corrupt or unwritable costs time only; a verdict that refuses the device is not
+// stored. Throws Error when the device cannot run a dispatch at all.
 SelfTest runSelfTest(Device& device);
 
-// kSelfTestVectors operands: significands at and around the ends, the others random; the same on every machine.
+// Operands of the self-test, kSelfTestVectors of them: significands at and around the ends, the others random; the same on every machine.
 std::vector<gpu::SelfTestVector> selfTestVectors();
 
-// The verdict on the device's answers. Zeros compare equal whatever their sign: the subset does not use the sign of zero.
+// Verdict on the device's answers. Zeros compare equal whatever their sign: the subset does not use the sign of zero.
 SelfTest judgeSelfTest(std::span<const gpu::SelfTestVector> vectors, std::span<const gpu::SelfTestAnswer> answers);
 
-// The file's text, and its reading: false unless `text` is a whole, unaltered verdict for `key`.
+// Text of the cache file, and its reading: false unless `text` is a whole, unaltered verdict for `key`.
 std::string selfTestCacheText(const SelfTest& verdict, const std::string& key);
 bool readSelfTestCache(const std::string& text, const std::string& key, SelfTest& verdict);
 

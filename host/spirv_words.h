@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Words of a SPIR-V module: SPIR-V 1.5 specification, 2.3 physical layout, 3.32 instructions. For who reads them (program.cpp, fold.cpp).
+// Words of a SPIR-V module for program.cpp and fold.cpp: SPIR-V 1.5 specification, 2.3 physical layout, 3.32 instructions.
 #pragma once
 
 #include <cstddef>

@@ -25,12 +25,12 @@
 namespace plumb {
 
 const char* resultName(VkResult result);
-// "VK_ERROR_DEVICE_LOST from vkQueueSubmit(...) at host/recorder.cpp:12" unless VK_SUCCESS.
+// Throws unless VK_SUCCESS: "VK_ERROR_DEVICE_LOST from vkQueueSubmit(...) at host/recorder.cpp:12".
 void checkResult(VkResult result, Exit exit, const char* call, const char* file, int line);
 #define VK_CHECK(call) ::plumb::checkResult((call), ::plumb::Exit::failed, #call, __FILE__, __LINE__)
 #define VK_CHECK_START(call) ::plumb::checkResult((call), ::plumb::Exit::device, #call, __FILE__, __LINE__)
 
-// "1536 bytes", "12.3 MiB": for messages.
+// Bytes as text for messages: "1536 bytes", "12.3 MiB".
 std::string bytesText(uint64_t bytes);
 
 struct ValidationLog {
@@ -58,7 +58,7 @@ struct Instance {
 bool validationWanted(const DeviceRequest& request);
 DeviceInfo describe(VkPhysicalDevice physical, uint32_t index);
 
-// One VkBuffer with its own allocation, mapped; recycled whole.
+// One VkBuffer with its own allocation, mapped; recycled as a whole.
 struct Block {
     struct ViewKey {
         VkFormat format;
@@ -68,13 +68,13 @@ struct Block {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     void* mapped = nullptr;
-    uint64_t bytes = 0;           // usable
-    uint64_t allocatedBytes = 0;  // counted
+    uint64_t bytes = 0;           // usable bytes
+    uint64_t allocatedBytes = 0;  // bytes that count against the budget
     std::map<ViewKey, VkBufferView> views;
 };
 
-// All device memory of one device. Keeps freed blocks for reuse as long as the budget allows: fresh pages of lavapipe
-// cost a page fault each.
+// Device memory of one device. Keeps freed blocks for reuse as long as the budget allows, because fresh pages of lavapipe cost a page fault
+// each.
 class MemoryPool {
 public:
     MemoryPool(VkDevice device, const VolkDeviceTable& vk, const VkPhysicalDeviceMemoryProperties& types, uint64_t allocationBytes,
@@ -83,7 +83,7 @@ public:
     Block* take(uint64_t bytes, const char* name);
     void give(Block* block);
     VkBufferView view(Block& block, VkFormat format, uint64_t offset, uint64_t range);
-    void close(bool leak);  // frees everything; give() does nothing afterwards
+    void close(bool leak);  // frees all memory; give() does nothing afterwards
 
     uint64_t budgetBytes() const { return budgetBytes_; }
     uint64_t usedBytes() const { return usedBytes_; }
@@ -126,7 +126,7 @@ struct Program {
     VkPipeline pipeline = VK_NULL_HANDLE;
 };
 
-// Applies PLUMB_LIMITS; throws Error(device) on an unknown name or a value above the device's own.
+// Applies PLUMB_LIMITS. Throws Error(device) on an unknown name or a value above the device's own.
 // "memory=" lowers the budget; "nativeDivide=0" and "nativeRoot=0" make the modules run the emulated forms.
 struct ShrunkNative {
     bool divide = true, root = true;
@@ -139,37 +139,37 @@ struct DeviceImpl {
     VkDevice handle = VK_NULL_HANDLE;
     VolkDeviceTable vk{};
     uint32_t queueFamily = 0;
-    bool queueDraws = false;  // the queue has the graphics pipeline too
+    bool queueDraws = false;  // the queue supports graphics too
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t timestampBits = 0;
     uint32_t driverVersion = 0;
-    uint32_t stageBindings[3] = {};  // per stage: storage buffers, texel buffers, all
+    uint32_t stageBindings[3] = {};  // limits of a stage: storage buffers, texel buffers, all bindings
     DeviceInfo info;
     DeviceLimits limits;
     SelfTest selfTest;
-    std::optional<bool> exactBinary64;  // host/binary64.h; not asked yet
+    std::optional<bool> exactBinary64;  // host/binary64.h; empty: not tested yet
     ShrunkNative native;
     std::shared_ptr<MemoryPool> memory;
     VkPipelineCache pipelineCache = VK_NULL_HANDLE;
     std::map<std::string, Program> programs;
-    std::map<std::string, std::future<Program>> making;  // begun by prepare() and not asked for yet
-    // A fence timed out: work may still run, so nothing that it uses may be destroyed.
+    std::map<std::string, std::future<Program>> making;  // pipelines that prepare() began and nobody has used yet
+    // True after a fence timed out: work may still run, so nothing that it uses may be destroyed.
     bool hung = false;
 
     DeviceImpl() = default;
     DeviceImpl(const DeviceImpl&) = delete;
     ~DeviceImpl();
 
-    // The pipeline of (module, constants), made on first use. Constants of exact.h that are not given follow the
+    // Pipeline of (module, constants), made on first use. Constants of exact.h that are not given follow the
     // self-test. Throws Error(failed) naming the module.
     Program& program(const Module& module, const Specialization& constants);
-    // Begins to make it on a thread of its own. What it throws is thrown by program().
+    // Begins to make a pipeline on a thread of its own. Its errors are thrown by program().
     void prepare(const Module& module, const Specialization& constants);
     Program make(const Module& module, const Specialization& constants) const;
     void destroy(const Program& program) const;
 };
 
-// min(heap, half of MemAvailable, cgroup limits, asked); 0 asked: no wish.
+// Memory budget: min(heap, half of MemAvailable, cgroup limits, asked). 0 asked: no limit by the caller.
 uint64_t memoryBudget(uint64_t heapBytes, uint64_t askedBytes);
 
 }  // namespace plumb

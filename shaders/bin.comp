@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Small triangles: one invocation a drawn triangle, walking the tiles of its box (with kListed only those of a list). Large and wide
-// ones: one invocation a strip of tiles in their box. Bit k of an item's word of spills: its k-th tile had no room left.
+// Small triangles: one invocation a drawn triangle, walking the tiles of its box (with kListed only the triangles of a list). Large and
+// wide triangles: one invocation a strip of tiles in their box. Each item has a word of overflow bits; bit k: its k-th tile had no room
+// left.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x = 64) in;
@@ -15,7 +16,7 @@ layout(constant_id = 4) const bool kWide = false;  // some triangle needs the 64
 layout(push_constant, scalar) uniform Push { BinPush push; };
 layout(binding = 1) uniform usamplerBuffer draws;
 layout(binding = 2) uniform usamplerBuffer screen;
-layout(binding = 3) uniform usamplerBuffer items;            // kStrips: strips; kListed: places in draws
+layout(binding = 3) uniform usamplerBuffer items;            // kStrips: strips; kListed: indices in draws
 layout(binding = 4, scalar) buffer Tiles { uint tiles[]; };  // counts
 layout(binding = 5, scalar) writeonly buffer Entries { uint entries[]; };
 layout(binding = 6, scalar) writeonly buffer Spills { uint spills[]; };

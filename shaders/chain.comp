@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// One invocation multiplies perLane consecutive matrices from the left to the right and leaves one. Dispatched again on what it left,
-// that is a tree whose order of factors is the chain's.
+// One invocation multiplies perLane consecutive matrices from left to right and leaves one. Repeated dispatches on the results form a tree
+// whose order of factors is the chain's.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x_id = 3) in;  // few invocations are spread over the device's processors in small workgroups
 #include "shared/status.h"
 #include "shared/product.h"
 
-layout(constant_id = 2) const bool kMultiplies = true;  // false: sums instead of products; what loading costs by itself
+layout(constant_id = 2) const bool kMultiplies = true;  // false: sums instead of products, to measure loading by itself
 layout(constant_id = 4) const uint kPerLane =
     5u;  // perLane, or 5 where it is more: a pairwise tree has one product an invocation and no loop
 
@@ -31,7 +31,7 @@ void main() {
     uint last = min(first + push.perLane, push.matrixCount) - 1u;
     int at = int(first) * 4;
     Rows product = Rows(texelFetch(factors, at), texelFetch(factors, at + 1), texelFetch(factors, at + 2), texelFetch(factors, at + 3));
-    // First the factors that fill no step of the loop, at most three; then none is asked whether it is there.
+    // Factors that fill no whole step of the loop, at most three, come first. The loop then needs no test for a missing factor.
     uint few = (last - first) % kFactorsPerStep;
     product = timesIf(few > 0u, product, min(first + 1u, last));
     if (kPerLane > 2u) product = timesIf(few > 1u, product, min(first + 2u, last));

@@ -15,7 +15,7 @@ layout(binding = 4, scalar) readonly buffer Jobs { ClipJob jobs[]; };
 layout(binding = 5, scalar) buffer Screen { uvec4 screen[]; };
 layout(binding = 6, scalar) buffer Varying { vec4 carried[]; };
 layout(binding = 7, scalar) writeonly buffer Draws { uvec4 draws[]; };
-layout(binding = 8, scalar) writeonly buffer Kinds { uint kinds[]; };  // a byte-like word a job: bit 0 wide, count of drawn << 1
+layout(binding = 8, scalar) writeonly buffer Kinds { uint kinds[]; };  // one word a job: bit 0 wide, number of drawn triangles << 1
 #ifdef PLUMB_LONG
 layout(binding = 9, scalar) readonly buffer Given { vec4 given[]; };  // clip-space x, y, w of vertices, as the transform left them
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One invocation 32 triangles: one bit a triangle and class, no atomics. The host adds up the bits and gives each
-// invocation of the set-up pass its place in the list of drawn triangles.
+// One invocation 32 triangles: one bit a triangle and class, no atomics. The host adds up the bits and gives each invocation of the set-up
+// pass its first slot in the draw list.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x = 64) in;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Exact edge values at a pixel centre, for the device: narrow triangles in wrapping 32-bit arithmetic (E = 256 (xh1 y0 - xh0 y1) +
-// (xl1 y0 - xl0 y1) is exact modulo 2^40), wide ones in 64 bits by imulExtended. The twin uses 64-bit integers.
+// Exact edge values at a pixel centre, for the device. Narrow triangles: wrapping 32-bit arithmetic (E = 256 (xh1 y0 - xh0 y1) + (xl1 y0 -
+// xl0 y1) is exact modulo 2^40). Wide ones: 64 bits by imulExtended. The twin uses 64-bit integers.
 // q: e_i, exact when narrow, clamped to +-2^30 when wide (exact sign anywhere in a tile). hi, lo: e_i = hi 65536 + lo (wide).
 struct Edges {
     ivec3 q, hi, lo, a, b;
@@ -22,7 +22,7 @@ void narrowEdges(ivec2 p0, ivec2 p1, ivec2 p2, out Edges e) {  // corners relati
     e.lo = e.q;
 }
 
-// E - bias of edge (a, b) whose first corner is p: 48 bits at most.
+// Value E - bias of edge (a, b) whose first corner is p: 48 bits at most.
 void wideEdge(int a, int b, ivec2 p, int bias, out int q, out int hi, out int lo, out int rho) {
     int h1, l1, h2, l2;
     imulExtended(a, -p.x, h1, l1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The encoded bytes of four linear values; kEncoding and encodeTable are the including kernel's.
+// Encoded bytes of four linear values. The including kernel declares kEncoding and encodeTable.
 Int encode(Real x) {
     Int code;
     if (kEncoding == kEncodeLinear) {

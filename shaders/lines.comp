@@ -25,7 +25,7 @@ int floorDivide(int a, int b, out int rest) {  // b > 0
     return a < 0 ? -int(q) - (down ? 1 : 0) : int(q);
 }
 
-uvec2 surfaceAt(int x, int y) {  // of the frame; nothing outside
+uvec2 surfaceAt(int x, int y) {  // z bits and face of a pixel of the frame; outside it nothing
     bool inside = x >= 0 && x < push.width && y >= push.surfaceRow && y < push.surfaceRow + push.surfaceRows;
     uvec2 s = texelFetch(surfaces, inside ? (y - push.surfaceRow) * push.width + x : 0).xy;
     return inside ? s : uvec2(0u, kNoFace);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One invocation a place in the draw list. With kBin it bins small triangles at once, while their corners are at hand, in their one or
-// two tiles.
+// One invocation a slot of the draw list. With kBin it also bins small triangles, while their corners are at hand, in their one or two
+// tiles.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x = 64) in;
@@ -14,16 +14,16 @@ layout(constant_id = 3) const bool kBothSides = false;  // back faces are drawn,
 layout(push_constant, scalar) uniform Push { SetupPush push; };
 layout(binding = 1) uniform usamplerBuffer triangles;
 layout(binding = 2) uniform usamplerBuffer screen;
-layout(binding = 3) uniform usamplerBuffer sources;  // of each place its triangle, or kNoTriangle: a place of a clip fan
+layout(binding = 3) uniform usamplerBuffer sources;  // triangle of each slot; kNoTriangle: a slot of a clip fan
 layout(binding = 4, scalar) writeonly buffer Draws { uvec4 draws[]; };
 layout(binding = 5, scalar) buffer Tiles { uint tiles[]; };                // counts
-layout(binding = 6, scalar) writeonly buffer Entries { uint entries[]; };  // as the bin pass leaves them
-layout(binding = 7, scalar) writeonly buffer Marks { uint marks[]; };      // of each place: bit i, its i-th tile had no room left
+layout(binding = 6, scalar) writeonly buffer Entries { uint entries[]; };  // lists, as the bin pass leaves them
+layout(binding = 7, scalar) writeonly buffer Marks { uint marks[]; };  // overflow bits of each slot: bit i, its i-th tile had no room left
 
-// An edge outside of which the whole tile lies, in one of the three.
+// True when the triangle may touch the tile: no edge has the whole tile outside. `most`: greatest value of each edge in the tile.
 bool touches(ivec3 most) { return (most.x | most.y | most.z) >= 0; }
 
-// Whether there was no room left.
+// Puts a triangle on a tile's list. True on overflow: no room was left.
 bool put(bool touched, uint tile, uint place) {
     uint number = 0u;
     if (touched) number = atomicAdd(tiles[tile], 1u);

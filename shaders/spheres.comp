@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One invocation one pixel: of the spheres that meet its row the nearest, then its illumination.
+// One invocation one pixel: the nearest of the spheres that meet its row, then the illumination of that one.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define PLUMB_ONE_PIXEL
@@ -14,8 +14,8 @@ layout(constant_id = 5) const uint kPower = 0u;
 
 layout(push_constant, scalar) uniform Push { SpheresPush push; };
 layout(binding = 1, scalar) readonly buffer Discs { SphereDisc discs[]; };
-layout(binding = 2, scalar) readonly buffer RowFirst { uint rowFirst[]; };  // where a row's spheres begin; one more than rows
-layout(binding = 3, scalar) readonly buffer RowDiscs { uint rowDiscs[]; };  // in their order
+layout(binding = 2, scalar) readonly buffer RowFirst { uint rowFirst[]; };  // index of a row's first sphere in rowDiscs; rows + 1 words
+layout(binding = 3, scalar) readonly buffer RowDiscs { uint rowDiscs[]; };  // spheres of the rows, in their order
 layout(binding = 4) uniform samplerBuffer materials;
 layout(binding = 5) uniform samplerBuffer lights;
 layout(binding = 6, scalar) writeonly buffer Depths { float depths[]; };

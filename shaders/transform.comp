@@ -12,7 +12,7 @@ layout(local_size_x = 256) in;
 
 layout(constant_id = 2) const bool kWriteNormals = true;  // Phong, or planes that ask for them
 
-layout(constant_id = 3) const bool kUnitNormals = false;  // made unit here, for pixels that take them as interpolated
+layout(constant_id = 3) const bool kUnitNormals = false;  // normals are normalised here, for pixels that take them as interpolated
 
 layout(push_constant, scalar) uniform Push { TransformPush push; };
 layout(binding = 1) uniform samplerBuffer positions;  // xyz, object space
@@ -22,7 +22,7 @@ layout(binding = 4, scalar) writeonly buffer Screen { uvec4 screen[]; };
 layout(binding = 5, scalar) writeonly buffer Varying { vec4 carried[]; };
 #ifdef PLUMB_LONG
 layout(binding = 6, scalar) readonly buffer Longs { LongRecord longs[]; };  // one an object
-layout(binding = 7, scalar) writeonly buffer Clip { vec4 clipSpace[]; };    // x, y, w: what is clipped goes on from there
+layout(binding = 7, scalar) writeonly buffer Clip { vec4 clipSpace[]; };    // x, y, w; clipping continues from there
 #endif
 
 void main() {

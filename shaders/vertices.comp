@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
-// One invocation kPairsPerLane pairs of neighbouring vertices, by kMatrices matrices one after another; a pair is stored at once. Straight-line: a
-// loop over the matrices costs five times as much, and lavapipe makes a call of its own for each subgroup, so that few vertices an invocation are dear.
-// PLUMB_LONG: by one composite that is more accurate than float32 (long_transform.h), in binary64 with PLUMB_DOUBLE, else in block-scaled integers.
+// One invocation transforms kPairsPerLane pairs of neighbouring vertices by kMatrices matrices, one after another; a pair is stored at
+// once. Straight-line code: a loop over the matrices costs five times as much. lavapipe makes a call for each subgroup, so few vertices an
+// invocation are dear.
+// PLUMB_LONG: the transform is one composite more accurate than float32 (long_transform.h), in binary64 with PLUMB_DOUBLE, else in
+// block-scaled integers.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #ifdef PLUMB_INT64
@@ -14,17 +16,17 @@ layout(local_size_x = 64) in;
 #include "shared/long_transform.h"
 #endif
 
-layout(constant_id = 2) const uint kMatrices = 1u;  // 0: vertices are copied; what loading and storing cost
-layout(constant_id = 3) const bool kLoads = true;   // false: markOf() is stored; what storing costs
+layout(constant_id = 2) const uint kMatrices = 1u;  // 0: vertices are copied, to measure loading and storing
+layout(constant_id = 3) const bool kLoads = true;   // false: markOf() is stored, to measure storing
 
 layout(push_constant, scalar) uniform Push { VerticesPush push; };
 layout(binding = 1) uniform samplerBuffer vertices;
 #ifdef PLUMB_LONG
-layout(binding = 2, scalar) readonly buffer Longs { LongRecord longs[]; };  // one
+layout(binding = 2, scalar) readonly buffer Longs { LongRecord longs[]; };  // one record
 #else
-layout(binding = 2, scalar) readonly buffer Matrices { Rows matrices[]; };  // the one that is applied first comes first
+layout(binding = 2, scalar) readonly buffer Matrices { Rows matrices[]; };  // in the order in which they are applied
 #endif
-// lavapipe stores one lane after another, component by component: words of 64 bits are half as many.
+// Results as the kernel stores them. lavapipe stores one lane after another, component by component; words of 64 bits are half as many.
 #ifdef PLUMB_INT64
 layout(binding = 3, scalar) writeonly buffer Results { u64vec4 results[]; };
 u64vec4 stored(vec4 first, vec4 second) {
@@ -36,7 +38,7 @@ layout(binding = 3, scalar) writeonly buffer Results { VertexPair results[]; };
 VertexPair stored(vec4 first, vec4 second) { return VertexPair(first, second); }
 #endif
 
-// Read before the first store: a load behind one might be of what was stored, so the driver would make it again.
+// Matrices of the dispatch. They are read before the first store, because the driver would repeat a load that a store might have changed.
 #ifdef PLUMB_LONG
 LongRecord composite;
 void readMatrices() { composite = longs[0]; }
@@ -87,7 +89,7 @@ void storePair(uint pair) {
 
 void main() {
     readMatrices();
-    // Eight neighbours take neighbouring pairs, then the next eight.
+    // Groups of eight invocations take neighbouring pairs.
     uint item = itemIndex();
     uint first = (item & ~7u) * kPairsPerLane + (item & 7u);
     storePair(first);

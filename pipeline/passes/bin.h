@@ -13,7 +13,7 @@
 
 namespace plumb {
 
-// Counts of each tile of the band (row-major), and the lists one after another; each list ascending.
+// Counts of each tile of the band (row-major), and the lists one after another, each list ascending.
 struct TileLists {
     std::vector<uint32_t> counts, entries;
 };
@@ -22,12 +22,13 @@ TileLists binCpu(const gpu::BinPush& push, std::span<const gpu::DrawTriangle> dr
 struct BinBuffers {
     const Buffer<gpu::DrawTriangle>& draws;
     const Buffer<gpu::ScreenVertex>& screen;
-    const Buffer<PlacedTriangle>& listed;  // what is walked when the set-up pass has binned the small ones; otherwise all draws are
+    // triangles to walk when the set-up pass has binned the small ones; otherwise all draws are walked
+    const Buffer<PlacedTriangle>& listed;
     const Buffer<glm::uvec4>& strips;
     const Buffer<uint32_t>& tiles;  // counts; cleared by the caller, or as the set-up pass left them
     const Buffer<uint32_t>& entries;
-    const Buffer<uint32_t>& walkMarks;   // a word a walked triangle
-    const Buffer<uint32_t>& stripMarks;  // a word a strip
+    const Buffer<uint32_t>& walkMarks;   // overflow bits, a word a walked triangle
+    const Buffer<uint32_t>& stripMarks;  // overflow bits, a word a strip
 };
 struct BinCounts {
     uint32_t walked = 0;

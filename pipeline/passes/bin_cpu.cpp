@@ -5,7 +5,7 @@
 
 namespace plumb {
 
-// Plain: every tile of a triangle's box, each edge at the tile's pixel that is most inside, in 64-bit integers.
+// Plain twin: every tile of a triangle's box, each edge at the tile's pixel that is most inside, in 64-bit integers.
 TileLists binCpu(const gpu::BinPush& push, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen) {
     TileLists lists;
     lists.counts.assign(size_t(push.tilesX) * push.tilesY, 0);

@@ -18,17 +18,17 @@ void cullCpu(const gpu::CullPush& push, std::span<const glm::uvec4> triangles, s
 void recordCull(Recorder& recorder, const gpu::CullPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,
                 const Buffer<gpu::ScreenVertex>& screen, const Buffer<gpu::CullRecord>& records);
 
-// A place in the draw list and the triangle of the chunk that is drawn there.
+// Slot of the draw list and the triangle of the chunk that is drawn there.
 struct PlacedTriangle {
     uint32_t place, triangle;
 };
 
-// The host's step between cull and set-up, the same for device and twin: places in the draw list, clip jobs, counts.
+// Result of the host's step between cull and set-up, the same for device and twin: slots in the draw list, clip jobs, counts.
 struct DrawPlaces {
-    std::vector<uint32_t> places;  // a CullRecord's first place
+    std::vector<uint32_t> places;  // first slot of each CullRecord
     std::vector<gpu::ClipJob> jobs;
     std::vector<PlacedTriangle> large;   // large or wide: binned in strips
-    std::vector<PlacedTriangle> medium;  // that a binning set-up leaves to the bin pass
+    std::vector<PlacedTriangle> medium;  // triangles that a binning set-up leaves to the bin pass
     uint32_t drawCount = 0;              // entries of the draw list
     uint32_t clippedVertices = 0;
     uint64_t drawn = 0, backFacing = 0, zeroArea = 0, outside = 0;
@@ -38,16 +38,17 @@ DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& 
 
 void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places, std::span<const glm::uvec4> triangles,
               std::span<const gpu::ScreenVertex> screen, std::span<gpu::DrawTriangle> draws, uint32_t threads);
-// Of each place in the draw list its triangle; gpu::kNoTriangle in places of clip fans.
+// Lists the triangle of each slot of the draw list, gpu::kNoTriangle in slots of clip fans.
 void listDrawn(std::span<const gpu::CullRecord> records, std::span<uint32_t> sources);
-// With push.tilesX it bins small triangles too: counts in `tiles`, lists in `entries`, and `marks` of what found no room (shared/bin.h).
+// Records the set-up pass. When push.tilesX is not 0 it bins small triangles too: counts in `tiles`, lists in `entries`, overflow bits in
+// `marks` (shared/bin.h).
 void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides, const Specialization& exact,
                  const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen, const Buffer<uint32_t>& sources,
                  const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& tiles, const Buffer<uint32_t>& entries,
                  const Buffer<uint32_t>& marks);
 
-// `given`: clip-space x, y, w that a more accurate transform left; empty, unused: worked out again in float32.
-// Writes the corners to screen and carried at job.vertex, the fan to draws at job.place; kinds[job] = wide | drawn << 1.
+// Clips the triangles of `jobs`. Writes their corners to screen and carried at job.vertex, the fan to draws at job.place; kinds[job] = wide
+// | number of drawn triangles << 1. `given`: clip-space x, y, w that a more accurate transform left; empty: they are computed in float32.
 void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std::span<const glm::uvec4> triangles,
              std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects, std::span<gpu::ScreenVertex> screen,
              std::span<glm::vec4> carried, std::span<gpu::DrawTriangle> draws, std::span<uint32_t> kinds, uint32_t threads,

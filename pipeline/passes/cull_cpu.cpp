@@ -13,7 +13,8 @@ namespace {
 
 glm::ivec2 placeOf(const gpu::ScreenVertex& v) { return {v.x, v.y}; }
 
-// std::popcount is a call where the processor is not known to have the instruction, and most masks have no bit or all.
+// Number of bits in a mask. std::popcount is a call where the processor is not known to have the instruction, and most masks have no bit or
+// all.
 uint32_t bitsIn(uint32_t mask) {
     if (mask == 0) return 0;
     if (mask == 0xffffffffu) return 32;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the passes take: every drawn object of a scene, flattened for one picture. Device and twin read the same list.
+// Input of the passes: every drawn object of a scene, flattened for one picture. Device and twin read the same list.
 #pragma once
 
 #include "pipeline/passes/numbers.h"
@@ -31,22 +31,22 @@ struct DrawList {
     std::vector<glm::uvec4> triangles;                  // vertices counter-clockwise as seen from the front, material
     std::vector<uint32_t> triangleFace;                 // index into the face stream
     std::vector<glm::vec4> facePositions, faceNormals;  // flat shading: one point a face
-    std::vector<glm::vec4> facePlaces;  // of each face, its centre relative to the eye, world axes; only for directions of faces
+    std::vector<glm::vec4> facePlaces;                  // centre of each face relative to the eye, world axes; only for directions of faces
     std::vector<uint32_t> faceMaterial, facePrimitive;  // primitive_id of a face
     std::vector<glm::uvec2> edges;                      // wire frame
-    std::vector<uint32_t> edgeFace;                     // of each edge, index into the face stream: when hidden lines are removed
-    std::vector<uint32_t> sphereMaterial;               // of each sphere of the scene; --fill notes only
+    std::vector<uint32_t> edgeFace;                     // index into the face stream for each edge; only when hidden lines are removed
+    std::vector<uint32_t> sphereMaterial;               // material of each sphere of the scene; --fill notes only
     std::vector<gpu::MaterialRecord> materials;
     std::vector<gpu::LightRecord> lights;
     gpu::Viewport viewport{};
     gpu::FrameBox frame{};  // the whole frame, in samples
     uint32_t cullBackFaces = 1;
     glm::vec3 rayOrigin{0}, rayX{0}, rayY{0};
-    glm::vec3 towardViewer{0};   // unit, of a distant viewer; 0: the viewer is at the origin
-    uint32_t firstTriangle = 0;  // of this chunk in the whole list
+    glm::vec3 towardViewer{0};   // unit vector toward a distant viewer; 0: the viewer is at the origin
+    uint32_t firstTriangle = 0;  // index in the whole list of this chunk's first triangle
 };
 
-// The triangles [first, first + count) as a list of their own: vertices and faces that they use, renumbered in order of first use.
+// Chunk of the triangles [first, first + count) as a list of its own: vertices and faces that they use, renumbered in order of first use.
 DrawList chunkOf(const DrawList& list, uint32_t first, uint32_t count);
 
 }  // namespace plumb

@@ -11,16 +11,17 @@
 
 namespace plumb {
 
-// threshold[c], c = 1..255: the least float32 whose exact sRGB value times 255 is at least c - 1/2. threshold[0] = 0.
+// Thresholds of the sRGB codes. threshold[c], c = 1..255: the least float32 whose exact sRGB value times 255 is at least c - 1/2.
+// threshold[0] = 0.
 const std::array<float, 256>& srgbThresholds();
 
-// One word a bucket for the device (gpu::encodeInBucket).
+// Table for the device, one word a bucket (gpu::encodeInBucket).
 const std::vector<uint32_t>& srgbBucketTable();
 
-// The twin: binary search over the thresholds.
+// Code of a linear value. The twin searches the thresholds by bisection.
 uint32_t encodeSrgbCpu(float linear);
 
-// Packs R, G, B, A bytes. linear: 3 floats.
+// Pixel of packed R, G, B, A bytes. linear: 3 floats.
 uint32_t encodePixelCpu(uint32_t encoding, const float* linear, uint32_t alpha);
 
 }  // namespace plumb

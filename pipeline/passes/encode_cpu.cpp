@@ -10,8 +10,8 @@ namespace plumb {
 
 namespace {
 
-// Exact to far more than float32 here: long double is 64 bits of significand, a threshold that close to a float does not exist
-// (tests/unit/encode_test.cpp checks the distances).
+// Linear value of an sRGB code. long double, a significand of 64 bits, is exact to far more than float32 here: no threshold comes that
+// close to a float (tests/unit/encode_test.cpp checks the distances).
 long double linearOfCode(long double code) {
     const long double s = code / 255.0L;
     return s <= 0.04045L ? s / 12.92L : std::pow((s + 0.055L) / 1.055L, 2.4L);
@@ -57,7 +57,7 @@ const std::vector<uint32_t>& srgbBucketTable() {
 
 uint32_t encodeSrgbCpu(float linear) {
     const std::array<float, 256>& t = srgbThresholds();
-    uint32_t low = 0, high = 256;  // t[low] <= linear < t[high]; not a number and negatives stay at 0
+    uint32_t low = 0, high = 256;  // t[low] <= linear < t[high]; NaN and negative values stay at 0
     while (high - low > 1) {
         const uint32_t middle = (low + high) / 2;
         (linear >= t[middle] ? low : high) = middle;

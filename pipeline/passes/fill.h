@@ -15,33 +15,33 @@
 
 namespace plumb {
 
-// What the plan lets the kernel leave out, and what it shall leave behind.
+// Choices of the fill kernel: parts that the plan lets it leave out, and outputs that it writes.
 struct FillChoices {
     uint32_t shading = gpu::kShadingPhong;
     gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
     bool oneMaterial = false;
-    uint32_t lightCount = 0, lightKinds = 0;  // few lights: their number and kinds (shared/fill.h); 0: as many as there are
+    uint32_t lightCount = 0, lightKinds = 0;  // number and kinds of few lights (shared/fill.h); 0: any number of lights
     bool affine = false;                      // attributes without perspective
     uint32_t depthBits = 32;                  // 32: float32; gpu::kDepthStandard: float32 of 1 - n/w; 16, 24: fixed point
-    bool unitNormals = true;                  // false: as interpolated
+    bool unitNormals = true;                  // false: normals are used as interpolated, not normalised
     uint32_t vectors = gpu::
         kVectorsPixel;    // where directions are made (shared/vectors.h): else lightCount and lightKinds are stated, not coarse, not native
     bool coarse = false;  // Phong: one shaded pixel in 2 x 2
     uint32_t encoding = gpu::kEncodeSrgb;
     uint32_t planes = 0;  // gpu::kFillPlane bits that the plane buffer holds
-    uint32_t write = 0;   // of these: to write
+    uint32_t write = 0;   // bits of `planes` that this dispatch writes
     bool prior = false, wide = false, colour = true;
     bool one = false;           // every list of the dispatch has one entry
     uint32_t subgroupSize = 0;  // device: 0 = every invocation sets up every triangle; else shared by shuffles
 };
 
-// What the transform leaves for these choices. `always`: world normals whatever the shading (normal plane).
+// Normals that the transform leaves for these choices. `always`: world normals whatever the shading (normal plane).
 inline Normals normalsCarried(const FillChoices& choices, bool always) {
     if (always) return Normals::direction;
     if (choices.shading != gpu::kShadingPhong) return Normals::none;
     return choices.unitNormals ? Normals::direction : Normals::unit;
 }
-// The choices with which the normals of a picture of another shading are drawn.
+// Choices with which the normals of a picture of another shading are drawn.
 inline FillChoices forNormals(FillChoices choices) {
     choices.shading = gpu::kShadingPhong;
     choices.parts = {false, false, false, gpu::kPowerExact};
@@ -50,14 +50,14 @@ inline FillChoices forNormals(FillChoices choices) {
     choices.vectors = gpu::kVectorsPixel;
     return choices;
 }
-// The few lights of a window, as lightKinds.
+// Kinds of a window's few lights, as FillChoices::lightKinds.
 inline uint32_t kindsOf(std::span<const gpu::LightRecord> lights) {
     PLUMB_ASSERT(lights.size() <= gpu::kUnrolledLights);
     uint32_t kinds = 0;
     for (size_t i = 0; i < lights.size(); ++i) kinds |= gpu::lightKind(uint32_t(i), lights[i].kind != 0, uint32_t(lights[i].attenuation));
     return kinds;
 }
-// Lights that a dispatch adds up.
+// Lights that one dispatch adds up.
 inline uint32_t lightsPerWindow(const FillChoices& choices) {
     return choices.vectors == gpu::kVectorsPixel ? gpu::kLightsPerWindow : gpu::kUnrolledLights;
 }
@@ -83,10 +83,10 @@ struct FillBuffers {
     const Buffer<uint32_t>& encodeTable;
     const Buffer<glm::uvec4>& colours;
     const Buffer<glm::uvec4>& planes;
-    const Buffer<glm::vec4>& places;            // of triangles: centres of their faces; kVectorsFace
+    const Buffer<glm::vec4>& places;            // centres of the triangles' faces; kVectorsFace
     uint64_t firstColour = 0, colourCount = 0;  // the band's part of colours; 0: all
 };
-// Begins to make the pipeline of a recordFill with these choices.
+// Begins to make the pipeline of a recordFill() with these choices.
 void prepareFill(Recorder& recorder, const FillChoices& choices, bool distantViewer, const Specialization& exact);
 void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices& choices, const Specialization& exact,
                 const FillBuffers& buffers, uint32_t firstTile);

@@ -13,7 +13,7 @@ namespace plumb {
 
 namespace {
 
-// Wide triangles need more words than are worth shuffling.
+// True when the invocations of a subgroup share the set-up of triangles by shuffles. Wide triangles need too many words for that.
 bool shuffles(const FillChoices& choices) {
     return !choices.one && choices.subgroupSize >= 8 && choices.subgroupSize <= 64 && !choices.wide;
 }

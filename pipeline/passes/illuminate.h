@@ -21,7 +21,7 @@ void recordIlluminate(Recorder& recorder, const gpu::IlluminatePush& push, const
                       const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::MaterialRecord>& materials,
                       const Buffer<gpu::LightRecord>& lights, const Buffer<glm::vec4>& colours);
 
-// A material as the contract's Reflectance, and its base colour.
+// Reflectance of a material, with its base colour.
 gpu::Reflectance reflectanceOf(const gpu::MaterialRecord& material);
 
 }  // namespace plumb

@@ -10,7 +10,7 @@ namespace plumb {
 
 namespace {
 
-// Points times lights of one dispatch: about 16 ns each on two cores, so below 100 ms.
+// Most points times lights of one dispatch: about 16 ns each on two cores, so below 100 ms.
 constexpr uint32_t kLightedPointsPerDispatch = uint32_t(1) << 22;
 
 }  // namespace

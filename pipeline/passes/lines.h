@@ -12,8 +12,8 @@
 
 namespace plumb {
 
-// Hidden lines removed: the polygon of each edge, and z bits and face of the pixels of rows [push.surfaceRow, + push.surfaceRows), which take in
-// the rows beside the band. Empty: every line is drawn.
+// Input for removing hidden lines: the polygon of each edge, and z bits and face of the pixels of rows [push.surfaceRow, +
+// push.surfaceRows), which include the rows next to the band. Empty: every line is drawn.
 struct HiddenLines {
     std::span<const uint32_t> edgeFaces;
     std::span<const glm::uvec2> surfaces;

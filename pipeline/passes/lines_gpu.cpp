@@ -9,7 +9,7 @@ void recordLines(Recorder& recorder, const gpu::LinesPush& push, const Specializ
                  const Buffer<glm::vec4>& positions, const Buffer<gpu::ObjectRecord>& objects, const Buffer<uint32_t>& owners) {
     Specialization constants = exact;
     constants["kHidden"] = false;
-    // edgeFaces and surfaces are not read: any buffer of the right kind will do.
+    // Without hidden-line removal edgeFaces and surfaces are not read: any buffer of the right kind will do.
     recorder.dispatch(
         "lines", spirv::lines, push.edgeCount, push,
         {texels("edges", edges, View::texelU32x2), texels("positions", positions, View::texelF32x4), storage("Objects", objects),

@@ -11,9 +11,9 @@ namespace plumb {
 
 namespace {
 
-constexpr int kEntryBits = 30, kLastBits = 61;  // three products below 2^60 and 2^61 stay below 2^63
+constexpr int kEntryBits = 30, kLastBits = 61;  // three products below 2^60 plus 2^61 stay below 2^63
 
-// |x| < 2^e.
+// Exponent e with |x| < 2^e.
 int exponentAbove(double x) { return x == 0 ? -1000 : std::ilogb(x) + 1; }
 
 gpu::Word64 wordOf(int64_t value) { return {int(value >> 32), uint32_t(value)}; }
@@ -23,7 +23,7 @@ gpu::Word64 wordOf(int64_t value) { return {int(value >> 32), uint32_t(value)}; 
 int blockExponent(double reach) { return std::clamp(exponentAbove(reach) - kEntryBits, -126, 126); }
 
 gpu::LongRow longRow(const glm::dvec4& row, int exponent) {
-    // The last entry counts units of the products: where it is large, units are larger.
+    // Unit of the row. The last entry counts units of the products: where it is large, units are larger.
     const int largest = exponentAbove(std::max({std::abs(row.x), std::abs(row.y), std::abs(row.z)}));
     const int unit = std::max(largest - kEntryBits, exponentAbove(row.w) - kLastBits - exponent);
     gpu::LongRow r{};

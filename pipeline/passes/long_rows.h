@@ -8,10 +8,10 @@
 
 namespace plumb {
 
-// Of an object whose coordinates are nowhere beyond `reach`: the exponent e of X = x 2^-e, |X| at most 2^30.
+// Exponent e of X = x 2^-e with |X| at most 2^30, for an object whose coordinates are nowhere beyond `reach`.
 int blockExponent(double reach);
 
-// row: in binary64, of a point (x, y, z, 1). `exponent` of the object's coordinates, as above.
+// Row for points (x, y, z, 1) from a row in binary64. `exponent`: that of the object's coordinates, from blockExponent().
 gpu::LongRow longRow(const glm::dvec4& row, int exponent);
 
 }  // namespace plumb

@@ -3,7 +3,7 @@
 
 namespace plumb {
 
-// In which vertices are transformed; the last two are more accurate (shaders/shared/long_transform.h).
+// Number format in which vertices are transformed; the last two are more accurate than float32 (shaders/shared/long_transform.h).
 enum class Numbers { fp32, blockInteger, fp64 };
 
 }  // namespace plumb

@@ -11,8 +11,9 @@
 
 namespace plumb {
 
-// `samples`: linear RGB of the sample frame (3 floats each, background where nothing is drawn), `z` its z bits; both
-// (width side) x (height side), or, with `stride` 1 for side 2 (shared corners), (width + 1) x (height + 1). stride 0: side. `pixels`: linear RGB, `rgba`: encoded.
+// Resolves a frame of samples. `samples`: linear RGB (3 floats each, background where nothing is drawn). `z`: their z bits. Both are (width
+// side) x (height side), or (width + 1) x (height + 1) with `stride` 1 for side 2 (shared corners). stride 0: side. `pixels`: linear RGB.
+// `rgba`: encoded.
 void resolveCpu(uint32_t width, uint32_t height, uint32_t side, bool transparent, uint32_t encoding, std::span<const float> samples,
                 std::span<const int> z, std::span<float> pixels, std::span<uint32_t> rgba, uint32_t threads, uint32_t stride = 0);
 

@@ -17,7 +17,7 @@ struct TableRow {
 
 int64_t floorOfQuotient(int64_t a, int64_t b) { return a / b - (a % b < 0 ? 1 : 0); }  // b > 0
 
-// X on `line` and dX, as whole columns and rests.
+// Edge with X on `line` and dX, as whole columns and rests.
 gpu::ScanEdge edgeFrom(const std::vector<gpu::ScanCorner>& corners, TableRow row, int line) {
     const gpu::ScanCorner &top = corners[row.top], &bottom = corners[row.bottom];
     const int64_t height = bottom.y - top.y, across = bottom.x - top.x, moved = across * (line - top.y);
@@ -54,12 +54,12 @@ bool ScanList::add(std::span<const gpu::ScanCorner> polygon) {
     std::stable_sort(table.begin(), table.end(), [&](const TableRow& a, const TableRow& b) { return corners[a.top].y < corners[b.top].y; });
     const int endLine = std::min(height, bottom + 1), endColumn = std::min(width, right + 1);
     for (int line = std::max(0, top); line < endLine; line += gpu::kScanBlock) {
-        // Edges that end above the block have given way, as on the way down to it.
+        // Edges that end above the block are replaced, as on the way down to it.
         size_t active[2] = {0, 1}, next = 2;
         const auto bottomOf = [&](size_t n) { return corners[table[active[n]].bottom].y; };
         while (next < table.size() && std::min(bottomOf(0), bottomOf(1)) < line) active[bottomOf(0) <= bottomOf(1) ? 0 : 1] = next++;
         const uint32_t firstEdge = uint32_t(edges.size());
-        // The first two start at their corner, each later one a line below it.
+        // Line on which an edge is first used: the first two start at their corner, each later one a line below it.
         const auto firstUse = [&](size_t n) { return std::max(line, corners[table[n].top].y + (n < 2 ? 0 : 1)); };
         for (size_t n : active) edges.push_back(edgeFrom(corners, table[n], firstUse(n)));
         for (size_t n = next; n < table.size(); ++n) edges.push_back(edgeFrom(corners, table[n], firstUse(n)));
@@ -83,7 +83,7 @@ bool ScanList::add(std::span<const gpu::ScanCorner> polygon) {
 
 namespace {
 
-// Calls body(y, span) for the lines of a polygon.
+// Calls body(y, span) for each line of a polygon.
 template <class Body>
 void walkLines(const ScanList& list, const gpu::ScanPolygon& p, const Body& body) {
     const std::span<const gpu::ScanEdge> table(list.edges.data() + p.firstEdge, p.edgeCount);
@@ -141,7 +141,7 @@ ScanCanvas scanlineCpu(const ScanList& list) {
 }
 
 uint32_t scanSliceEnd(const ScanList& list, uint32_t first) {
-    // A row costs one round a polygon and one a column of its block.
+    // Budget of a row: one round a polygon and one a column of its block.
     int budget = gpu::kScanLimit - 1;
     uint32_t end = first;
     for (; end < list.polygons.size(); ++end) {

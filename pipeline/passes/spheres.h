@@ -12,11 +12,11 @@
 
 namespace plumb {
 
-// The spheres of a canvas in their order, and for each row those that meet it.
+// Spheres of a canvas in their order, and for each row the spheres that meet it.
 struct SphereList {
     SphereList(int canvasWidth, int canvasHeight) : width(canvasWidth), height(canvasHeight) {}
 
-    // False: it does not meet the canvas and is left out.
+    // Adds a sphere. False: it does not meet the canvas and is left out.
     bool add(const gpu::SphereDisc& disc);
     // Makes the rows. Throws Error(input) when a row has more than gpu::kSpheresOfRow spheres, or all rows more than 2^31.
     void close();
@@ -26,26 +26,26 @@ struct SphereList {
     std::vector<uint32_t> rowFirst, rowDiscs;  // height + 1; indices into discs
 };
 
-// What spheres are illuminated by.
+// Illumination of the spheres.
 struct SphereLight {
     gpu::ShadeParts parts;
     std::span<const gpu::MaterialRecord> materials;
     std::span<const gpu::LightRecord> lights;
     bool wholeHeights = false;
-    float unit = 1;  // the passes' length of a pixel, a power of two
+    float unit = 1;  // length of a pixel in the passes' lengths, a power of two
 };
 
-// For each pixel: depth (gpu::kSphereFarthest: nothing), sphere (gpu::kNoSphere) and linear colour; w is 0.
+// Result, a pixel: depth (gpu::kSphereFarthest: nothing), sphere (gpu::kNoSphere) and linear colour; w is 0.
 struct SphereCanvas {
     std::vector<float> depth;
     std::vector<uint32_t> owner;
     std::vector<glm::vec4> colour;
 };
 
-// The twin goes sphere by sphere over a Z-buffer, as a painter would, and illuminates what is left.
+// Draws on the CPU: sphere by sphere over a Z-buffer, then the illumination of the visible pixels.
 SphereCanvas spheresCpu(const SphereList& list, const SphereLight& light, uint32_t threads);
 
-// Throws Error(failed) where the device has no room.
+// Draws on the device. Throws Error(failed) where the device has no memory left.
 SphereCanvas spheresGpu(Device& device, Recorder& recorder, const SphereList& list, const SphereLight& light, const Specialization& exact,
                         double watchdogMs);
 

@@ -13,7 +13,7 @@ namespace plumb {
 
 namespace {
 
-// Spheres tried and lights added by one dispatch: a few ns each on two cores, so that none runs into the watchdog.
+// Most spheres tried and lights added by one dispatch: a few ns each on two cores, so that no dispatch runs into the watchdog.
 constexpr uint64_t kWorkPerDispatch = uint64_t(1) << 25;
 
 template <class T>

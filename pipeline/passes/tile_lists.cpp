@@ -11,7 +11,8 @@
 namespace plumb {
 
 uint32_t roomOfTiles(uint64_t drawn, uint64_t tiles, uint64_t most) {
-    // Of a picture's tiles often a third are touched, a triangle is in 1.3 of them, and toward a silhouette they are dense.
+    // Capacity is 24 times the mean: often only a third of the tiles hold triangles, a triangle is in 1.3 tiles, and tiles at silhouettes
+    // hold many.
     constexpr uint64_t kTimesMean = 24, kLeast = 16;
     const uint64_t room = std::min(std::max(kLeast, kTimesMean * drawn / tiles), std::max<uint64_t>(1, drawn));
     return uint32_t(std::max<uint64_t>(1, std::min(room, most / tiles)));
@@ -41,7 +42,7 @@ void CrowdedTiles::move(uint32_t tile, uint32_t to) {
 }
 
 void CrowdedTiles::add(uint32_t tile, uint32_t place) {
-    // A mark of a tile that was not moved, or more marks than were counted, would write over other lists.
+    // An overflow bit of a tile that was not moved, or more bits than were counted, would write over other lists.
     if (tile >= next_.size() || next_[tile] == 0 || next_[tile] >= entries_.size())
         throw renderError("bin: a tile's marks and its count disagree");
     entries_[next_[tile]++] = place;
@@ -54,7 +55,7 @@ void CrowdedTiles::addSetUp(std::span<const uint32_t> marks, std::span<const gpu
         const uint32_t* v = draws[place].vertex;
         const glm::ivec4 box = boxInBand(push_, screen[v[0]], screen[v[1]], screen[v[2]]);
         for (uint32_t left = marks[place]; left; left &= left - 1) {
-            const bool last = std::countr_zero(left) != 0;  // of the one or two
+            const bool last = std::countr_zero(left) != 0;  // the second of its one or two tiles
             add(uint32_t(last ? box.w : box.y) * push_.tilesX + uint32_t(last ? box.z : box.x), uint32_t(place));
         }
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Trace: rays from the eye, their reflections and refractions, and feelers to the lights. Contract: shaders/shared/trace.h.
+// Trace: rays from the eye, their reflections and refractions, and shadow rays to the lights. Contract: shaders/shared/trace.h.
 #pragma once
 
 #include "host/recorder.h"
@@ -13,7 +13,7 @@
 
 namespace plumb {
 
-// What rays meet: in the passes' unit, relative to the eye. Objects count spheres first, then planes, then triangles.
+// Scene of rays: in the passes' unit, relative to the eye. Objects count spheres first, then planes, then triangles.
 struct TraceScene {
     std::vector<glm::vec4> spheres;  // centre, radius
     std::vector<float> powers;       // |centre|^2 - radius^2 of each sphere, rounded once
@@ -21,9 +21,9 @@ struct TraceScene {
     std::vector<uint32_t> surfaces;     // material of each sphere and plane
     std::vector<glm::vec4> corners;     // two each: position, normal
     std::vector<glm::uvec4> triangles;  // two each: corners and material, bits of the geometric normal
-    std::vector<glm::uvec4> nodes;      // of the tree: two words a child (tree.h)
-    std::vector<glm::uvec4> leaves;     // of the tree, three each
-    uint32_t depth = 0;                 // of the tree
+    std::vector<glm::uvec4> nodes;      // nodes of the BVH: two words a child (tree.h)
+    std::vector<glm::uvec4> leaves;     // leaves of the BVH, three words each
+    uint32_t depth = 0;                 // depth of the BVH
     float reach = 0;                    // largest |coordinate| of a corner
     std::vector<gpu::TraceMaterial> materials;
     std::vector<gpu::LightRecord> lights;
@@ -35,20 +35,21 @@ struct TraceScene {
 struct TraceChoices {
     uint32_t encoding = gpu::kEncodeSrgb;
     uint32_t planes = 0;  // gpu::kTracePlane bits
-    bool colour = true;   // leave the encoded sample
+    bool colour = true;   // write the encoded sample
     bool list = false;    // keep waiting rays in a list; needed where a hit has two children
     bool shadows = true;
     bool count = true;
     uint32_t lanes = 0;  // device: invocations of a subgroup that work together (DeviceLimits::subgroupShuffle); 0: none
     bool tiles = false;  // device: samples of whole rows, in tiles (push.tileRows); not with `list`
     uint32_t sampling = gpu::kSampleGrid, side = 1;  // side: samples a pixel along an axis
-    std::span<const uint32_t> pixels;  // x | y << 16: the samples of these pixels alone, `side` rows of `side` a pixel; empty: of all
-    bool cutLevels = false;            // colours in whole levels; no material has two children and no ray waits
+    // x | y << 16: only the samples of these pixels, `side` rows of `side` a pixel; empty: those of all pixels
+    std::span<const uint32_t> pixels;
+    bool cutLevels = false;                                    // colours in whole levels; no material has two children and no ray waits
     float jitterMirror = 0, jitterPass = 0, jitterFeeler = 0;  // amounts of noise, at most 1/2
     gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
 };
 
-// What the twin leaves: one value a sample (three floats for linear and normal), row by row; normal may be empty.
+// Output of the twin: one value a sample (three floats for linear and normal), row by row; normal may be empty.
 struct TraceOutput {
     std::span<uint32_t> distance;  // bits; 0 where nothing is hit
     std::span<uint32_t> object;
@@ -56,7 +57,8 @@ struct TraceOutput {
     std::span<float> normal;
 };
 
-// `counters`: gpu::kCounters words that are added to. push.firstItem and itemCount say which samples; output begins at firstItem.
+// Traces on the CPU the samples that push.firstItem and itemCount name; output begins at firstItem. `counters`: gpu::kCounters words that
+// are added to.
 void traceCpu(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices, const TraceOutput& output,
               std::span<uint64_t> counters, uint32_t threads);
 
@@ -70,12 +72,12 @@ struct TraceBuffers {
     Buffer<glm::vec4> corners;
     Buffer<glm::uvec4> triangles, nodes, leaves;
     Buffer<uint32_t> encodeTable, pixels;
-    Buffer<uint32_t> colours, planeWords;  // of a band
-    Buffer<uint32_t> counters;             // gpu::kCounters
-    Buffer<uint32_t> waiting, states;      // list form: of the samples of one dispatch
+    Buffer<uint32_t> colours, planeWords;  // of one band
+    Buffer<uint32_t> counters;             // gpu::kCounters words
+    Buffer<uint32_t> waiting, states;      // list form, for the samples of one dispatch
 };
 
-// Samples that an invocation takes one after another: a tile has so many times two rows, and push.itemCount counts invocations.
+// Samples that an invocation traces one after another. A tile has two rows for each of them, and push.itemCount counts invocations.
 uint32_t samplesOfInvocation(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices);
 void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices,
                  const Specialization& exact, const TraceBuffers& buffers);

@@ -9,18 +9,19 @@
 namespace plumb {
 
 namespace {
-// A walk of eye rays together keeps node << 8 | children on its way back, and two levels of the way in each invocation of a subgroup.
+// True when the eye rays of a subgroup walk the BVH together. Its stack holds node << 8 | children, two levels in each invocation of the
+// subgroup.
 bool walksTogether(const TraceScene& scene, uint32_t lanes) {
     return !scene.nodes.empty() && scene.depth <= 2 * lanes && scene.nodes.size() / (2 * gpu::kNodeChildren) < (1u << 24);
 }
 
-// Loops over so few spheres and planes unroll, and records of fewer stay in registers of each invocation, those of more in
-// the registers of a subgroup.
+// Loops over up to kUnrolledSpheres spheres and kUnrolledPlanes planes unroll. Records of up to kHeldSpheres spheres stay in registers of
+// each invocation, those of more in the registers of a subgroup.
 constexpr size_t kUnrolledSpheres = 24, kUnrolledPlanes = 2, kHeldSpheres = 4;
-constexpr uint32_t kMostSamples = 4;    // of an invocation
-constexpr uint64_t kLoopSteps = 50000;  // of them all; lavapipe ends loops after 65,535
-constexpr size_t kFewLights = 4;        // feelers of more walk a tree alone: all those steps for one sample
-// Whether some hit may send on a ray of this share.
+constexpr uint32_t kMostSamples = 4;    // most samples of an invocation
+constexpr uint64_t kLoopSteps = 50000;  // most loop steps of all its samples; lavapipe ends loops after 65,535
+constexpr size_t kFewLights = 4;        // with more lights each shadow ray walks the BVH by itself: all those steps for one sample
+// True when some hit may send on a ray of this share.
 bool sends(const gpu::TracePush& push, const TraceScene& scene, float gpu::TraceMaterial::*share) {
     return push.maxDepth > 1 &&
            std::any_of(scene.materials.begin(), scene.materials.end(), [&](const gpu::TraceMaterial& m) { return m.*share > 0; });

@@ -14,9 +14,9 @@ namespace plumb {
 // World normals that a transform leaves in `carried`.
 enum class Normals : uint32_t { none, direction, unit };
 
-// What the more accurate transforms read and leave: records of the objects, and clip-space x, y, w of the vertices.
+// Input and output of the more accurate transforms: records of the objects, and clip-space x, y, w of the vertices.
 struct LongTransform {
-    Numbers numbers = Numbers::fp32;  // nothing else is read then
+    Numbers numbers = Numbers::fp32;  // fp32: the other fields are not read
     std::span<const gpu::LongRecord> records;
     std::span<glm::vec4> clipSpace;
 };
@@ -26,7 +26,7 @@ struct LongBuffers {
     const Buffer<glm::vec4>& clipSpace;
 };
 
-// One object.
+// Transforms the vertices of one object.
 void transformCpu(const gpu::TransformPush& push, Normals writeNormals, std::span<const glm::vec4> positions,
                   std::span<const glm::vec4> normals, std::span<const gpu::ObjectRecord> objects, std::span<gpu::ScreenVertex> screen,
                   std::span<glm::vec4> carried, uint32_t threads, const LongTransform& longer = {});
@@ -34,7 +34,7 @@ void transformCpu(const gpu::TransformPush& push, Normals writeNormals, std::spa
 void recordTransform(Recorder& recorder, const gpu::TransformPush& push, Normals writeNormals, const Specialization& exact,
                      const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals, const Buffer<gpu::ObjectRecord>& objects,
                      const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried);
-// The same in numbers other than fp32. Throws Error(usage) for fp64 on a device that has no binary64, or no exact one.
+// Transforms in another number format than fp32. Throws Error(usage) for fp64 on a device that has no binary64, or no exact one.
 void recordLongTransform(Recorder& recorder, Device& device, const gpu::TransformPush& push, Normals writeNormals,
                          const Specialization& exact, const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals,
                          const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::ScreenVertex>& screen,

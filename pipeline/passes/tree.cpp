@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Binned surface-area heuristic (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007), one triangle a leaf. Of
-// that tree of two children a node one of eight is made that has the least sum of areas (Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal
-// on GPUs Through Compressed Wide BVHs", 2017): as many nodes as a ray is likely to open.
+// Binned surface-area heuristic (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007), one triangle a leaf. The
+// binary tree is collapsed into one of eight children a node with the least sum of areas (Ylitie, Karras, Laine, "Efficient Incoherent Ray
+// Traversal on GPUs Through Compressed Wide BVHs", 2017): the least number of nodes that a ray is likely to open.
 #include "pipeline/passes/tree.h"
 
 #include "shaders/shared/trace.h"
@@ -54,8 +54,8 @@ public:
 private:
     struct Pair {
         Box box;
-        uint32_t first = 0, triangles = 0;  // in order_
-        uint32_t second = 0;                // its second child; the first follows it
+        uint32_t first = 0, triangles = 0;  // range in order_
+        uint32_t second = 0;                // index of the second child; the first child follows its parent
     };
 
     uint32_t addNode() {
@@ -70,8 +70,8 @@ private:
     }
     void setNext(uint32_t slot, uint32_t next) { tree_.nodes[2 * size_t(slot) + 1].w = next; }
 
-    // costs_[i][n - 1]: areas of the nodes below pair i when n boxes at most stand for it. From the last pair to the first: children stand behind
-    // their parents. A node costs something however small it is.
+    // Computes costs_[i][n - 1]: areas of the nodes below pair i when at most n boxes stand for it. Pairs go from the last to the first,
+    // because children stand behind their parents. A node costs something however small it is.
     void weigh() {
         costs_.resize(pairs_.size());
         const double least = pairs_[0].box.area() * 0x1p-24 + 0x1p-100;
@@ -83,7 +83,7 @@ private:
             for (float& c : cost) c = std::min(c, cost[0]);
         }
     }
-    // With `part` boxes for the first child and n - part for the second.
+    // Cost with `part` boxes for the first child and n - part for the second.
     float parted(uint32_t at, uint32_t n, uint32_t part) const {
         return costs_[at + 1][part - 1] + costs_[pairs_[at].second][n - part - 1];
     }
@@ -93,7 +93,7 @@ private:
             if (parted(at, n, part) < parted(at, n, best)) best = part;
         return best;
     }
-    // The boxes that stand for a pair where n may.
+    // Appends the boxes that stand for a pair where n boxes may.
     void standIn(uint32_t at, uint32_t n, std::vector<uint32_t>& child) const {
         if (pairs_[at].triangles == 1 || n == 1 || costs_[at][0] <= costs_[at][n - 1])
             child.push_back(at);
@@ -106,7 +106,7 @@ private:
         standIn(pairs_[at].second, n - first, child);
     }
 
-    // Fills `node` with what is below pair `at`. next: the child that a walk goes on with after the whole of it; 0: none.
+    // Fills `node` with the boxes below pair `at`. next: the child with which a walk continues after all of them; 0: none.
     void open(uint32_t at, uint32_t node, uint32_t next, uint32_t depth) {
         tree_.depth = std::max(tree_.depth, depth);
         std::vector<uint32_t> child;
@@ -146,7 +146,7 @@ private:
         return b;
     }
 
-    // Where [first, end) is cut in two; order_ is partitioned. Beyond `depth` 60 halves are taken, so recursion stays shallow.
+    // Index at which [first, end) is cut in two; order_ is partitioned. Beyond `depth` 60 the range is halved, so recursion stays shallow.
     uint32_t split(uint32_t first, uint32_t end, int depth) {
         Box centres;
         for (uint32_t i = first; i < end; ++i) {

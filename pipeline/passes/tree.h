@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tree of boxes that rays walk: built on the host, the same for device and twin and from run to run.
+// BVH that rays walk: built on the host, the same for device and twin and from run to run.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ struct TriangleTree {
     uint32_t depth = 0;             // most nodes one below another
 };
 
-// `corners` are positions relative to the eye, three a triangle. Children whose boxes are nearer to the eye stand first, so primary rays meet
-// what is near first. Empty for no triangles.
+// BVH over triangles. `corners` are positions relative to the eye, three a triangle. Children whose boxes are nearer to the eye stand
+// first, so primary rays meet near triangles first. Empty for no triangles.
 TriangleTree treeOfTriangles(std::span<const glm::vec3> corners);
 
 }  // namespace plumb

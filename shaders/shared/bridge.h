@@ -4,8 +4,8 @@
 //
 // Real, Int and Bool are one pixel in C++ (float, int, bool) and four neighbouring pixels of a row on the device
 // (vec4, ivec4, bvec4): lavapipe runs four interleaved chains faster than one. Every operation on them is
-// componentwise, so a lane of the device computes exactly what the twin computes. A kernel whose pixels part ways (rays) defines
-// PLUMB_ONE_PIXEL before it includes anything and has one pixel an invocation.
+// componentwise, so a lane of the device computes exactly what the twin computes. A kernel with one pixel an invocation (rays, whose pixels
+// diverge) defines PLUMB_ONE_PIXEL before it includes anything.
 // `precise` is not written in the sources: the build decorates every float operation of every module with
 // NoContraction (toolchain/spirv/), and C++ is compiled with -ffp-contract=off.
 #ifndef PLUMB_BRIDGE_H
@@ -52,17 +52,17 @@ inline float realOf(int bits) { return std::bit_cast<float>(bits); }
 inline uint ubitsOf(float x) { return std::bit_cast<uint>(x); }
 inline float floorReal(float x) { return std::floor(x); }
 inline float roundEvenReal(float x) { return std::nearbyint(x); }
-// The device's own power in modules that hold the instruction (below); here the power rounded once.
+// Power x^y. In C++ it is rounded once; on the device it is the native instruction, in modules that hold it (below).
 inline float nativePow(float x, float y) { return float(std::pow(double(x), double(y))); }
 inline int shiftLeft(int x, int n) { return int(uint(x) << n); }
-// a b = high 2^32 + low.
+// Product a b = high 2^32 + low.
 inline void multiplyLong(int a, int b, int& high, uint& low) {
     const std::int64_t product = std::int64_t(a) * b;
     high = int(product >> 32);
     low = uint(product);
 }
 inline int highestBit(uint x) { return 31 - std::countl_zero(x); }  // x > 0
-// A row in binary64 (of each number the low word first) times a point, rounded to float32 at the end.
+// Row in binary64 (the low word of each number first) times a point, rounded to float32 at the end.
 inline float rowTimesDouble(const uvec4& row01, const uvec4& row23, const vec3& p) {
     const auto number = [](uint low, uint high) { return std::bit_cast<double>(std::uint64_t(high) << 32 | low); };
     const double x = number(row01.x, row01.y) * double(p.x), y = number(row01.z, row01.w) * double(p.y),
@@ -115,8 +115,8 @@ uint ubitsOf(float x) { return floatBitsToUint(x); }
 vec4 floorReal(vec4 x) { return floor(x); }
 float floorReal(float x) { return floor(x); }
 float roundEvenReal(float x) { return roundEven(x); }
-// Last bits are the implementation's: only a module built with PLUMB_NATIVE holds the instruction, and recorders take that module when a
-// choice asks for it (toolchain/spirv_lint.py). In the others nothing asks.
+// Native power, whose last bits are the implementation's. Only a module built with PLUMB_NATIVE holds the instruction, and recorders take
+// that module when a choice asks for it (toolchain/spirv_lint.py). Other modules never call it.
 #ifdef PLUMB_NATIVE
 vec4 nativePow(vec4 x, vec4 y) { return pow(x, y); }
 float nativePow(float x, float y) { return pow(x, y); }
@@ -132,7 +132,7 @@ void multiplyLong(int a, int b, out int high, out uint low) {
     low = uint(lower);
 }
 int highestBit(uint x) { return findMSB(x); }
-// Needs shaderFloat64, and stands in modules that draw by choice only (toolchain/spirv_lint.py).
+// Row in binary64 times a point, in modules that draw by choice only (toolchain/spirv_lint.py): it needs shaderFloat64.
 #ifdef PLUMB_DOUBLE
 float rowTimesDouble(uvec4 row01, uvec4 row23, vec3 p) {
     double x = packDouble2x32(row01.xy) * double(p.x);
@@ -143,8 +143,8 @@ float rowTimesDouble(uvec4 row01, uvec4 row23, vec3 p) {
 #else
 float rowTimesDouble(uvec4 row01, uvec4 row23, vec3 p) { return 0.0; }
 #endif
-// Four roundings of products below 2^50 are less than 2^29 together: where the float is 2^30 or more its sign is right, and
-// elsewhere the difference lies within 2^31, so that the wrapping integer is the difference itself. 64 bits are slow here.
+// Sign of a b - c d. Four roundings of products below 2^50 are less than 2^29 together. So where the float is 2^30 or more its sign is
+// right; elsewhere the difference lies within 2^31, and the wrapping integer is the difference itself. 64 bits are slow here.
 int signOfDifference(int a, int b, int c, int d) {
     float rough = float(a) * float(b) - float(c) * float(d);
     int wrapped = a * b - c * d;

@@ -16,17 +16,17 @@ SHARED_CONST int kTileWidth = 16;
 SHARED_CONST int kTileHeight = 8;
 
 struct FrameBox {
-    int width, height;   // of the frame in pixels (samples when supersampled)
-    int firstRow, rows;  // of the band
+    int width, height;   // frame in pixels (samples when supersampled)
+    int firstRow, rows;  // rows of the band
 };
 
-// One word a class for 32 triangles.
+// Result of the cull pass for 32 triangles: one word a class, one bit a triangle.
 struct CullRecord {
     uint drawn;                          // bit t: drawn as it is
-    uint clip;                           // bit t: to be clipped
+    uint clip;                           // bit t: crosses a plane and is clipped
     uint large;                          // bit t, subset of drawn: binned in strips
     uint wide;                           // bit t, subset of drawn: needs the 64-bit set-up
-    uint backFacing, zeroArea, outside;  // bits, for the counters
+    uint backFacing, zeroArea, outside;  // bit t each; read for the counters
     uint medium;  // bit t, subset of drawn: neither large nor wide, but its box touches more than two tiles of the frame
 };
 
@@ -54,7 +54,7 @@ SHARED_FN int facing(ivec2 p0, ivec2 p1, ivec2 p2) { return signOfDifference(p1.
 SHARED_FN ivec2 lowest(ivec2 a, ivec2 b, ivec2 c) { return min(min(a, b), c); }
 SHARED_FN ivec2 highest(ivec2 a, ivec2 b, ivec2 c) { return max(max(a, b), c); }
 
-// kDrawn, kBackFacing, kZeroArea or kOutside for a triangle inside every plane. `rows` of the frame, not of the band.
+// Class of a triangle inside every plane: kDrawn, kBackFacing, kZeroArea or kOutside. `frame` is the whole frame, not a band.
 SHARED_FN uint classify(ivec2 p0, ivec2 p1, ivec2 p2, FrameBox frame, uint cullBackFaces) {
     ivec2 low = lowest(p0, p1, p2);
     ivec2 high = highest(p0, p1, p2);
@@ -77,11 +77,11 @@ SHARED_FN ivec4 tileBox(ivec2 p0, ivec2 p1, ivec2 p2, FrameBox frame) {
     return ivec4(x0, y0, x1, y1);
 }
 SHARED_FN int tilesInBox(ivec4 box) { return (box.z - box.x + 1) * (box.w - box.y + 1); }
-// Such triangles are binned by the set-up pass.
+// True for boxes of at most two tiles; the set-up pass bins these triangles itself.
 SHARED_FN bool inTwoTiles(ivec4 box) { return tilesInBox(box) <= 2; }
 
-// The order of a drawn triangle's corners: counter-clockwise as seen, lowest (y, x) first, so that everything after it is
-// the same whichever corner the file names first.
+// True when corner a comes before corner b: lower y, then lower x. A drawn triangle runs counter-clockwise as seen and begins at its first
+// corner in this order, so everything after it is the same whichever corner the file names first.
 SHARED_FN bool before(ivec2 a, ivec2 b) { return a.y < b.y || (a.y == b.y && a.x < b.x); }
 SHARED_FN uint firstCorner(ivec2 p0, ivec2 p1, ivec2 p2) {
     uint first = pick(before(p1, p0), 1u, 0u);
@@ -89,7 +89,7 @@ SHARED_FN uint firstCorner(ivec2 p0, ivec2 p1, ivec2 p2) {
     return pick(second, 2u, first);
 }
 
-// Where the edge from an inside vertex to an outside one meets a plane; distances inside >= 0 > outside.
+// Intersection of the edge from an inside vertex to an outside one with a plane. Distances: inside >= 0 > outside.
 SHARED_FN ClipVertex intersect(int plane, ClipVertex inside, ClipVertex outside, float dInside, float dOutside, Viewport v) {
     float t = exactDivide(dInside, dInside - dOutside);
     ClipVertex r;
@@ -108,7 +108,7 @@ SHARED_FN ClipVertex intersect(int plane, ClipVertex inside, ClipVertex outside,
     return r;
 }
 
-// A corner that clipping has made lies on its planes up to a rounding: it is projected whatever its outcode.
+// Projects a corner that clipping has made. Its outcode is not asked, because the corner lies on its planes only up to a rounding.
 SHARED_FN ScreenVertex projectClipped(ClipVertex c, Viewport v) {
     ScreenVertex s;
     s.outcode = 0u;

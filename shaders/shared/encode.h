@@ -10,22 +10,23 @@ SHARED_BEGIN
 SHARED_CONST uint kEncodeSrgb = 0u;
 SHARED_CONST uint kEncodeLinear = 1u;
 SHARED_CONST uint kEncodeNative = 2u;          // sRGB by the device's pow
-SHARED_CONST int kEncodeFirstBucket = 0x3900;  // of the bits >> 16: 1.2e-4, below the first threshold
-SHARED_CONST int kEncodeBuckets = 1665;        // ... up to and with 1.0
+SHARED_CONST int kEncodeFirstBucket = 0x3900;  // float bits >> 16 of the first bucket: 1.2e-4, below the first threshold
+SHARED_CONST int kEncodeBuckets = 1665;        // buckets from the first up to and with that of 1.0
 
-// Clamps to [0, 1]; not a number gives 0.
+// Clamps to [0, 1]; NaN gives 0.
 SHARED_FN Real clampUnit(Real x) {
     x = pick(gt(x, real(0.0f)), x, real(0.0f));
     return pick(gt(real(1.0f), x), x, real(1.0f));
 }
 
-// The nearest code, a half to the even one, as the notes' `round` does: 76.5 is 76. What is added and taken off again is 3 * 2^22, whose last place is 1,
-// so the sum is the rounding (IEEE 754, nearest even), and both are exact but for it.
+// Nearest code, halves to even, as the notes' `round` does: 76.5 is 76. The constant is 3 * 2^22, where floats have steps of 1. So the
+// addition rounds (IEEE 754, nearest even), and the subtraction is exact.
 SHARED_FN Int encodeLinear(Real x) { return toInt((clampUnit(x) * 255.0f + 12582912.0f) - 12582912.0f); }
 
-// The curve of IEC 61966-2-1 as it is written. With |log2 x| <= 8.4 the power is off by at most 20 2^-23 of itself (nativePowerBound, shade.h, with
-// n = 1/2.4), so the code before rounding by 255 * 1.055 * 20 2^-23 = 6.5e-4, and by 3e-4 more for the float32 operations around it: another code than the correctly rounded
-// one only where that is within kNativeEncodeError of a tie, and then its neighbour.
+// Nearest code by the curve of IEC 61966-2-1 and the device's power.
+// For |log2 x| <= 8.4 the power has a relative error of at most 20 2^-23 (nativePowerBound, shade.h, with n = 1/2.4). The code before
+// rounding is then off by at most 255 * 1.055 * 20 2^-23 = 6.5e-4, and by 3e-4 more for the float32 operations around it.
+// The code differs from the correctly rounded one only where that one is within kNativeEncodeError of a tie, and then by 1.
 SHARED_CONST float kNativeEncodeError = 0.001f;  // steps, before rounding
 SHARED_FN Int encodeNative(Real x) {
     Real c = clampUnit(x);

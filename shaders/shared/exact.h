@@ -26,8 +26,8 @@ SHARED_FN float roundedToEven(uint sign, uint exponentField, uint significandWit
     return realOf(int(sign | ((exponentField << 23) + (significand - 0x800000u) + pick(up, 1u, 0u))));
 }
 
-// `seedErrorUlp` moves the seed by so many bit patterns, -7 to 4, to show in tests that the result does not depend on
-// it (a step past a power of two is two ULP of the result below it). Else 0.
+// Quotient a / b, correctly rounded. `seedErrorUlp` is 0 but in tests. There it moves the seed by -7 to 4 bit patterns, to show that the
+// result does not depend on the seed (a step past a power of two is two ULP of the result below it).
 SHARED_FN float emulatedDivide(float a, float b, int seedErrorUlp) {
     uint aBits = ubitsOf(a);
     uint bBits = ubitsOf(b);
@@ -39,8 +39,8 @@ SHARED_FN float emulatedDivide(float a, float b, int seedErrorUlp) {
     bool below = aSignificand < bSignificand;
     uint scaleBits = pick(below, 25u, 24u);  // quotient = floor(aSignificand * 2^scaleBits / bSignificand) has 25 bits
     float seed = realOf(bitsOf(nativeDivide(float(aSignificand), float(bSignificand))) + seedErrorUlp);
-    // 1 ULP of the seed is 2 units of the quotient: 16 units below the seed lies a lower bound, and the remainder,
-    // 0 <= remainder < 32 * bSignificand < 2^29, is exact in wrapping 32-bit arithmetic.
+    // Lower bound of the quotient: 16 units below the seed, of which 1 ULP is 2 units. The remainder, 0 <= remainder < 32 * bSignificand <
+    // 2^29, is exact in wrapping 32-bit arithmetic.
     uint quotient = uint(seed * pick(below, 33554432.0f, 16777216.0f)) - 16u;
     uint remainder = (aSignificand << scaleBits) - quotient * bSignificand;
     bool take = remainder >= bSignificand << 4;
@@ -63,7 +63,7 @@ SHARED_FN float emulatedDivide(float a, float b, int seedErrorUlp) {
     return pick(aExponent == 0u, realOf(int(sign)), result);
 }
 
-// One step of the root: if (root + step)^2 still fits under the radicand, takes it. remainder = radicand - root^2.
+// Step of the root: takes `step` when (root + step)^2 still fits under the radicand. remainder = radicand - root^2.
 SHARED_FN void rootStep(INOUT(uint) root, INOUT(uint) remainder, uint stepBits) {
     uint cost = ((root << 1) + (1u << stepBits)) << stepBits;
     bool take = remainder >= cost;
@@ -78,7 +78,7 @@ SHARED_FN float emulatedRoot(float a, int seedErrorUlp) {
     bool odd = (exponentField & 1u) == 0u;  // the bias is odd: an even field is an odd exponent
     uint scaleBits = pick(odd, 26u, 25u);   // root = floor(sqrt(significand * 2^scaleBits)) has 25 bits
     float seed = nativeRoot(float(significand) * pick(odd, 67108864.0f, 33554432.0f));
-    // As above: 16 units below the seed, 0 <= remainder < 32 * 2 * 2^25 = 2^31.
+    // Lower bound of the root, 16 units below the seed as in emulatedDivide(): 0 <= remainder < 32 * 2 * 2^25 = 2^31.
     uint root = uint(realOf(bitsOf(seed) + seedErrorUlp)) - 16u;
     uint remainder = (significand << scaleBits) - root * root;
     rootStep(root, remainder, 4u);
@@ -109,8 +109,8 @@ SHARED_FN float exactRoot(float a) {
     return root;
 }
 
-// |x| < 2^-103 becomes +0, whatever the driver made of a subnormal product. Sums of snapped values need no snap:
-// they are multiples of 2^-126, so 0 or normal (docs/accuracy.md, The exact subset).
+// Flushes |x| < 2^-103 to +0, whatever the driver made of a subnormal product. Sums of flushed values need no flush: they are multiples of
+// 2^-126, so 0 or normal (docs/accuracy.md, The exact subset).
 SHARED_FN float snapTiny(float x) {
     int bits = bitsOf(x);
     return realOf(pick((bits & 0x7fffffff) < 0x0c000000, 0, bits));

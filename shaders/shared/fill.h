@@ -35,16 +35,16 @@ SHARED_FN Int depthBits(Real e2, Real e0, float k1, float k2, float zc, int low,
     return min(max(z, low), high);  // a negative float is a negative integer: below `low`
 }
 
-// Fixed point of `bits` < 32 bits in place of float32: the least multiple of 2^-bits that is not below z, so that what is drawn is above 0.
-// Off by less than 2^-bits; triangles that fall together tie.
+// Depth in fixed point of `bits` < 32 bits in place of float32: the least multiple of 2^-bits that is not below z, so what is drawn stays
+// above 0. The error is below 2^-bits. Triangles whose depths become equal tie.
 SHARED_FN Int coarseDepth(Int z, uint bits) {
     float steps = realOf(int((127u + bits) << 23));
     float step = realOf(int((127u - bits) << 23));
     return bitsOf(-floorReal(realOf(z) * -steps) * step);
 }
 
-// What a Z-buffer of 1 - n/w in float32 keeps, the usual way round: n/w itself from 1/2 up, below it the nearest multiple of 2^-24, and no less than
-// 2^-24, so that what is drawn stays above 0. Off by less than 2^-24. Only the first subtraction rounds.
+// Depth as a Z-buffer of 1 - n/w in float32 keeps it: n/w itself from 1/2 up, below that the nearest multiple of 2^-24, at least 2^-24 so
+// that what is drawn stays above 0. The error is below 2^-24. Only the first subtraction rounds.
 SHARED_CONST uint kDepthStandard = 33u;
 SHARED_FN Int standardDepth(Int z) {
     Real far = real(1.0f) - realOf(z);
@@ -52,15 +52,16 @@ SHARED_FN Int standardDepth(Int z) {
     return bitsOf(real(1.0f) - far);
 }
 
-// Nearest wins; equal depths go to the lower triangle. The result does not depend on the order of visits.
-// Triangles count from 1 here; 0 stands for what was there before, which wins ties.
+// True when a candidate replaces what a pixel holds: the nearest wins, at equal depth the triangle with the smaller index. So the result
+// does not depend on the order of visits.
+// Triangles count from 1 here. 0 stands for what an earlier dispatch left, which wins ties.
 SHARED_FN bool wins(int z, int triangle, int bestZ, int bestTriangle) { return z > bestZ || (z == bestZ && triangle < bestTriangle); }
 
-// Perspective weights of the corners, scaled so that the nearest corner's is in [1, 2): squares of what they weigh stay normal.
+// Scale of the corners' perspective weights: it puts the nearest corner's weight in [1, 2), so that squares of weighed values stay normal.
 SHARED_FN float weightScale(int highestZ) { return realOf(0x7f000000 - (highestZ & 0x7f800000)); }
 
-// Sum of corner values times their perspective weights (v w, rounded once) times the edge values g_i = e_i + rho_i / 256: the
-// attribute times sum(w g). Normals are normalised afterwards; colours are divided by the same sum of the weights alone.
+// Attribute times sum(w g): the corners' values times their perspective weights (v w, rounded once) times the edge values g_i = e_i + rho_i
+// / 256, added up. Normals are normalised afterwards. Colours are divided by the same sum of the weights alone.
 SHARED_FN Real weigh(float vw0, float vw1, float vw2, Real g0, Real g1, Real g2) { return (g1 * vw0 + g2 * vw1) + g0 * vw2; }
 
 // Planes that a draw can leave beside the encoded colour, in this order, only those asked for.
@@ -70,12 +71,14 @@ SHARED_CONST uint kFillPlaneLinear = 4u;    // three planes
 SHARED_CONST uint kFillPlaneNormal = 8u;    // three planes: world, unit
 SHARED_CONST uint kFillPlaneSum = 16u;      // three planes: light added up so far, between the windows of kLightsPerWindow
 
-// One invocation may loop 65,535 times in all (lavapipe): a list entry costs at most 10/8 rounds, a light four (one a row of the block).
-// Longer lists are drawn in slices, more lights in windows: each window finds the same triangles again and goes on with the sum of the one before,
-// light by light in the same order, so the bytes are those of one window.
+// Most entries of a tile's list that one dispatch may read. An invocation may loop 65,535 times in all (lavapipe); an entry costs at most
+// 10/8 rounds, a light four (one a row of the block).
+// Longer lists are drawn in slices. More lights are drawn in windows: each window finds the same triangles again and continues the sum of
+// the window before, in the order of the lights, so the bytes are those of one window.
 SHARED_CONST uint kTileListLimit = 40000u;
 
-// So few lights are constants of the kernel in number and kind: three bits a light, bit 0 a place, the others its attenuation.
+// Most lights that may be specialization constants, by number and kind. lightKind() packs three bits a light: bit 0 set for a point light,
+// bits 1 and 2 its attenuation.
 SHARED_CONST uint kUnrolledLights = 4u;
 SHARED_FN uint lightKind(uint light, bool place, uint attenuation) { return (pick(place, 1u, 0u) | attenuation << 1u) << (3u * light); }
 SHARED_FN float lightIsAPlace(uint kinds, uint light) { return float((kinds >> (3u * light)) & 1u); }
@@ -84,25 +87,26 @@ SHARED_FN float lightAttenuation(uint kinds, uint light) { return float((kinds >
 struct FillPush {
     uint statusSlot;
     uint tileCount;
-    uint firstRow;                // of the band
+    uint firstRow;                // first row of the band
     uint rowQuads;                // row pitch of the band's buffers in units of 4 pixels
     uint planeQuads;              // plane pitch
-    uint firstLight, lightCount;  // the window
-    uint background;              // encoded
-    uint firstTriangle;           // of the chunk in the scene
+    uint firstLight, lightCount;  // lights of this window
+    uint background;              // encoded colour
+    uint firstTriangle;           // index in the scene of the chunk's first triangle
     uint flatColours;             // texel of the first face colour of the chunk
     float near;
     vec3 rayOrigin, rayX, rayY;  // direction to pixel (x, y), forward component 1: rayOrigin + rayX x + rayY y
     vec3 backgroundLinear;
-    vec3 toward;     // unit vector toward a distant viewer, world axes; 0: rays say where the viewer is
+    vec3 toward;     // unit vector toward a distant viewer, world axes; 0: the viewer is at the origin of the rays
     ivec2 frameEnd;  // first column and row (of the frame) past the band: read when shading once in 2 x 2 pixels
 };
 
 SHARED_FN Real rayAt(float origin, float perX, float perY, Real x, float y) { return (real(origin) + x * perX) + real(y * perY); }
-// The same for pixels of several rows.
+// Direction component at pixels of several rows, as rayAt() for one row.
 SHARED_FN Real rayAtEach(float origin, float perX, float perY, Real x, Real y) { return (real(origin) + x * perX) + y * perY; }
 
-// Shading once in 2 x 2 pixels: the first that is drawn of (0, 0), (1, 0), (0, 1), (1, 1) is shaded, and all that are drawn take its colour. 4: none is.
+// Index of the pixel to shade in a 2 x 2 square when it is shaded once: the first covered one of (0, 0), (1, 0), (0, 1), (1, 1), whose
+// colour all covered ones take. 4: none is covered.
 SHARED_FN int firstDrawn(bool d00, bool d10, bool d01, bool d11) {
     int last = pick(d01, 2, pick(d11, 3, 4));
     return pick(d00, 0, pick(d10, 1, last));

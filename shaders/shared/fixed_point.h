@@ -11,8 +11,8 @@ SHARED_CONST int kSubpixelBits = 8;
 SHARED_CONST int kSubpixels = 256;
 SHARED_CONST int kHalfPixel = 128;
 
-// Guard band: pixels that a vertex may lie outside the frame before its triangles are clipped. A frame must satisfy
-// (width + 2 guard) * (height + 2 guard) < 2^31 pixels, so that twice an area is below 2^47 square sub-pixels.
+// Guard band: how far in pixels a vertex may lie outside the frame before its triangles are clipped. A frame must satisfy (width + 2 guard)
+// * (height + 2 guard) < 2^31 pixels, so that twice an area is below 2^47 square sub-pixels.
 SHARED_CONST float kGuardPixels = 8192.0f;
 
 // A triangle is narrow when its box, with the 16 x 8 pixel tiles that it touches added on every side, is below 2^23 pixels

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Contract of hits: where a ray meets a sphere or a plane, and which colour of a board it finds there.
-// A ray knows the object it starts on and the side it leaves on: a plane is never met again, a sphere never from outside, and from
-// inside at its far side only. So no distance is compared with an epsilon; origins besides are moved off the surface (ray.h).
+// Self-hits are excluded by object ID, not by an epsilon. A ray leaving a plane cannot hit that plane. A ray leaving a sphere outward
+// cannot hit that sphere; a ray entering a sphere hits it only at the far side. Origins are moved off the surface besides (ray.h).
 #ifndef PLUMB_HIT_H
 #define PLUMB_HIT_H
 #include "ray.h"
@@ -9,7 +9,7 @@ SHARED_BEGIN
 
 SHARED_CONST uint kNoObject = 0xffffffffu;
 
-// Where a ray starts with respect to the object that is asked.
+// Position of a ray's start with respect to the object that is tested.
 SHARED_CONST uint kStartElsewhere = 0u;
 SHARED_CONST uint kStartOutside = 1u;  // on it, leaving on the side of its normal
 SHARED_CONST uint kStartInside = 2u;
@@ -18,11 +18,12 @@ SHARED_FN uint startOn(uint object, uint from, bool inside) {
     return pick(object == from, pick(inside, kStartInside, kStartOutside), kStartElsewhere);
 }
 
-// Nearest wins; at equal distance the lower object. The result does not depend on the order of visits.
+// True when a hit replaces the best so far: the nearest wins, at equal distance the object with the smaller index. So the result does not
+// depend on the order of visits.
 SHARED_FN bool isNearer(float t, uint object, float bestT, uint best) { return t > 0.0f && (t < bestT || (t == bestT && object < best)); }
 
-// o - c + k d, rounded about once: difference and product with their errors (Knuth, Dekker). Products below 2^-60 count as exact, so
-// that no error term is subnormal.
+// Value of o - c + k d, rounded about once: difference and product are taken with their errors (Knuth, Dekker). Products below 2^-60 count
+// as exact, so that no error term is subnormal.
 SHARED_FN float upperHalf(float x) {
     float scaled = x * 4097.0f;
     return scaled - (scaled - x);
@@ -48,25 +49,27 @@ SHARED_FN float pointOnLine(float o, float c, float k, float d) {
 
 struct SphereHit {
     float t;      // distance; 0: none
-    vec3 offset;  // from the centre to the hit
+    vec3 offset;  // vector from the centre to the hit
 };
 
-// |p - c|^2 - r^2, the power of p with respect to a sphere, from that of the eye (the origin), which the host computes without cancellation.
-// Within 5 u sum |p_i| |p_i - 2 c_i| of that of the sphere of centre c and radius sqrt(|c|^2 - power): the nearer p is to the eye, the better.
+// Power of p with respect to a sphere, |p - c|^2 - r^2, from the power of the eye (the origin), which the host computes without
+// cancellation. The result is within 5 u sum |p_i| |p_i - 2 c_i| of the power for centre c and radius sqrt(|c|^2 - power): the nearer p is
+// to the eye, the better.
 SHARED_FN float powerAt(vec3 p, vec3 c, float power) { return power + dot3(p, p - (c + c)); }
 
-// True when powerAt serves a ray from o: the eye and o lie within two radii of the centre. Further off f.f - r^2 is as good.
+// True when powerAt() serves a ray from o: the eye and o lie within two radii of the centre. Farther away, f.f - r^2 is as good.
 SHARED_FN bool startsClose(vec3 o, vec3 c, float r) {
     vec3 f = o - c;
     float reach = 4.0f * (r * r);
     return dot3(c, c) < reach && dot3(f, f) < reach;
 }
 
-// Sphere of centre c and radius r in [2^-30, 2^60]. k: along the ray to the point nearest to the centre, l: from the centre to it, h: half
-// the chord. From outside t = (f.f - r^2) / (k + h), without the cancellation of k - h; from inside h^2 = k^2 + (r^2 - f.f), both
-// summands positive. `far` (a sphere farther than 256 radii): l to about one rounding instead of u |f| (docs/accuracy.md, rays).
-// `close` (the eye within 1/16 radius of some surface): r^2 - l.l and f.f - r^2 keep u r^2 of a gap that may be 2^-30 r. There f.f - r^2 comes
-// from `power`, that of the eye, and h^2 = k^2 - (f.f - r^2) outside too.
+// Hit of a sphere with centre c and radius r in [2^-30, 2^60]. k: distance along the ray to the point nearest to the centre. l: vector from
+// the centre to that point. h: half the chord.
+// From outside t = (f.f - r^2) / (k + h), without the cancellation of k - h. From inside h^2 = k^2 + (r^2 - f.f), both summands positive.
+// `far` (a sphere farther than 256 radii): l is computed to about one rounding instead of u |f| (docs/accuracy.md, Rays).
+// `close` (the eye within 1/16 radius of some surface): r^2 - l.l and f.f - r^2 would keep an error of u r^2 in a gap that may be 2^-30 r.
+// There f.f - r^2 comes from `power`, that of the eye, and h^2 = k^2 - (f.f - r^2) outside too.
 SHARED_FN SphereHit hitSphere(vec3 o, vec3 d, vec3 c, float r, float power, uint start, bool far, bool close) {
     vec3 f = o - c;
     float k = -dot3(f, d);
@@ -97,8 +100,8 @@ SHARED_FN SphereHit hitSphere(vec3 o, vec3 d, vec3 c, float r, float power, uint
     float entering = pick(ahead && meets, quotient, 0.0f);
     SphereHit hit;
     hit.t = pick(within, leaving, entering);
-    // On the sphere itself f.f = r^2: from inside the far side is 2 k away, from outside there is nothing. The origin has been moved in by some
-    // 30 u r, which `power` can tell: k + h.
+    // A ray that starts on the sphere has f.f = r^2. From inside the far side is 2 k away; from outside there is no hit. The origin has
+    // been moved in by some 30 u r, which `power` can tell: then the distance is k + h.
     bool own = start != kStartElsewhere;
     float half_ = pick(gap && h > k, h, k);
     float across = pick(start == kStartInside && ahead, k + half_, 0.0f);
@@ -110,12 +113,13 @@ SHARED_FN SphereHit hitSphere(vec3 o, vec3 d, vec3 c, float r, float power, uint
     return hit;
 }
 
-// A surface where a ray meets it. The point lies within sum |n_i| error_i of the surface.
+// Point where a ray meets a surface. It lies within sum |n_i| error_i of the surface.
 struct SurfacePoint {
     vec3 point, normal, error;
 };
 
-// |normal| = 1 within 9 u, so c + r n is within 9 u r + 2 u |p_i| + u r of the sphere (one product, one sum a coordinate).
+// Point on a sphere. |normal| = 1 within 9 u, so c + r n is within 9 u r + 2 u |p_i| + u r of the sphere (one product, one sum a
+// coordinate).
 SHARED_FN SurfacePoint pointOnSphere(vec3 c, float r, vec3 offset) {
     SurfacePoint s;
     s.normal = unitLength(offset);
@@ -124,9 +128,10 @@ SHARED_FN SurfacePoint pointOnSphere(vec3 c, float r, vec3 offset) {
     return s;
 }
 
-// The same for a sphere that is close to the eye, where c + r n keeps u r of a place that may be 2^-30 r away: the place along the ray, or c + r n
-// for a ray from afar, is stepped back by its height h over the surface, (|p - c|^2 - r^2) / 2r. The power of p is within 5 u sum |p_i| |p_i - 2 c_i|,
-// so h is within 2.5 u of that over r. The step leaves h^2 / 2r and 9 u h (n is not quite unit); |h| < 2^-17 r, so both are below |h| 2^-17.
+// Point on a sphere that is close to the eye. There c + r n would keep an error of u r in a position that may be 2^-30 r away. The point is
+// instead the position along the ray (c + r n for a ray from afar), stepped back by its height h above the surface, (|p - c|^2 - r^2) / 2r.
+// The power of p is within 5 u sum |p_i| |p_i - 2 c_i|, so h is within 2.5 u of that sum over r. The step leaves h^2 / 2r and 9 u h (n is
+// not quite unit); |h| < 2^-17 r, so both are below |h| 2^-17.
 SHARED_FN SurfacePoint pointOnCloseSphere(vec3 o, vec3 d, float t, vec3 c, float r, float power, vec3 offset) {
     SurfacePoint s = pointOnSphere(c, r, offset);
     vec3 p = chosen(startsClose(o, c, r), o + d * t, s.point);
@@ -137,7 +142,7 @@ SHARED_FN SurfacePoint pointOnCloseSphere(vec3 o, vec3 d, float t, vec3 c, float
     return s;
 }
 
-// n.x = distance; (u, v) = (U.x + u0, V.x + v0) are the board's coordinates in the scene's lengths times the passes' unit.
+// Plane n.x = distance. (u, v) = (U.x + u0, V.x + v0) are the board's coordinates, in the scene's lengths times the passes' unit.
 struct PlaneRecord {
     vec3 normal;
     float distance;
@@ -163,7 +168,7 @@ struct PlaneHit {
 SHARED_FN PlaneHit hitPlane(vec3 o, vec3 d, vec4 plane, vec4 u, vec4 v, vec4 bounds, bool twoSided, uint start) {
     vec3 n = vec3(plane.x, plane.y, plane.z);
     float slope = dot3(n, d);
-    // Error of n.d: 3 u of sum |n_i d_i| (docs/accuracy.md, Rays); 2^-40: the direction itself is not known better.
+    // Error of n.d: 3 u sum |n_i d_i| (docs/accuracy.md, Rays). 2^-40: the direction itself is not known better.
     float reach = dot3(magnitudes(n), magnitudes(d));
     bool decided = abs(slope) > 2.384185791015625e-7f * reach + 9.094947017729282e-13f;
     // no plant: the quotient of an undecided slope is not used
@@ -184,7 +189,8 @@ SHARED_FN PlaneHit hitPlane(vec3 o, vec3 d, vec4 plane, vec4 u, vec4 v, vec4 bou
     return hit;
 }
 
-// After the step back onto the plane: 4 u sum |n_i p_i| from n.p, 2 u |distance| (itself below that sum), u |p_i| from the sum.
+// Error along the normal after projecting the hit back to the plane: at most 7 u sum |n_i p_i| (dot product 4, distance 2, addition 1). 12
+// u |p_i| a coordinate covers it.
 SHARED_FN SurfacePoint pointOnPlane(vec3 normal, vec3 point) {
     SurfacePoint s;
     s.normal = normal;
@@ -193,14 +199,16 @@ SHARED_FN SurfacePoint pointOnPlane(vec3 normal, vec3 point) {
     return s;
 }
 
-// Whether |x| lies in an odd square, counted from 0: the notes' |x| mod 2 s > s. The end of an even square belongs to it, that of an odd one does not.
+// True when |x| lies in an odd square, counted from 0: the notes' |x| mod 2 s > s. The end of an even square belongs to it, that of an odd
+// square does not.
 SHARED_FN bool oddSquare(float x, float square) {
     float m = exactDivide(abs(x), square);
     float pairs = floorReal(m * 0.5f);
     return m - (pairs + pairs) > 1.0f;
 }
 
-// Whether (u, v) lies in a square of the second material. First where u >= 0 in the innermost square; each odd square flips.
+// True when (u, v) has the board's second material. The square at the origin with u, v >= 0 has the first; neighbours alternate.
+// `mirrored`: the pattern is mirrored at v = 0.
 SHARED_FN bool otherSquare(float u, float v, float square, float mirrored) {
     bool other = u < 0.0f;
     other = other != oddSquare(u, square);

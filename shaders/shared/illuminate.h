@@ -10,14 +10,14 @@ struct IlluminatePush {
     uint statusSlot;
     uint firstPoint, pointCount;  // points of one object
     uint object;
-    uint firstLight, lightCount;  // a window: the colours go on from those before it, unless it begins at 0
+    uint firstLight, lightCount;  // a window; the colours continue those of the window before, unless it begins at 0
     vec3 toward;                  // unit vector toward a distant viewer, world axes; 0: the viewer is at the origin
 };
 
 SHARED_FN Real rowTimesPoint4(vec4 row, Real x, Real y, Real z) { return ((x * row.x + y * row.y) + z * row.z) + row.w; }
 SHARED_FN Real rowTimesVector4(vec4 row, Real x, Real y, Real z) { return (x * row.x + y * row.y) + z * row.z; }
 
-// Surface of a point given in object space, `distant` and `toward` as in seeFrom().
+// Surface of a point given in object space; `distant` and `toward` as in seeFrom().
 SHARED_FN Surface surfaceOfPoint(ObjectRecord o, bool distant, vec3 toward, Real px, Real py, Real pz, Real nx, Real ny, Real nz) {
     Surface s;
     s.px = rowTimesPoint4(o.world0, px, py, pz);

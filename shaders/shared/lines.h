@@ -9,26 +9,26 @@ SHARED_BEGIN
 
 struct LinesPush {
     uint statusSlot;
-    uint firstEdge, edgeCount;  // of one object, in the edge list at hand
-    uint edgeNumber;            // of the first edge in the whole frame: what owns a pixel
+    uint firstEdge, edgeCount;  // edges of one object, in the edge list of this dispatch
+    uint edgeNumber;            // number of the first edge in the whole frame; the smallest number owns a pixel
     uint object;
     uint rowPixels;  // pitch of the owner plane
     int width, height;
-    int firstRow, rows;           // of the band
-    int surfaceRow, surfaceRows;  // rows of the frame that the surfaces at hand have (hidden lines removed)
+    int firstRow, rows;           // rows of the band
+    int surfaceRow, surfaceRows;  // rows of the frame in the surfaces buffer (hidden lines removed)
     Viewport viewport;            // guardX, guardY: half the frame and one pixel
 };
 
 SHARED_CONST uint kNoEdge = 0xffffffffu;
 
-// A wire frame's sides are limited so that 256 times a coordinate fits 32 bits.
+// Longest side of a wire frame, so that 256 times a coordinate fits 32 bits.
 SHARED_CONST int kLineFrameLimit = 16384;
 
 struct LineEnds {
     float x0, y0, w0, x1, y1, w1;
 };
 
-// Cuts at one plane, computed from the inside end. False: nothing is left.
+// Cuts a line at one plane, computed from its inside end. False when nothing is left.
 SHARED_FN bool cutLine(int plane, INOUT(LineEnds) e, Viewport v) {
     float d0 = planeDistance(plane, e.x0, e.y0, e.w0, v);
     float d1 = planeDistance(plane, e.x1, e.y1, e.w1, v);
@@ -96,17 +96,18 @@ SHARED_FN LineDepth lineDepth(float z0, float z1, LineWalk w) {
     d.slope = exactDivide(end - d.start, float(w.run));
     return d;
 }
-// z bits at pixel k of the walk: at the point of the line on the centre of the pixel's column (row when steep). It never leaves the range of
-// the ends: at most run - 1 <= 2^22 - 1 sub-pixels from the start, the product is below (1 + 2^-24)^3 (1 - 2^-22) < 1 of the difference, and
-// rounding keeps order.
+// Bits of z at pixel k of the walk, at the point of the line on the centre of the pixel's column (row when steep). They never leave the
+// range of the ends: at most run - 1 <= 2^22 - 1 sub-pixels from the start, the product is below (1 + 2^-24)^3 (1 - 2^-22) < 1 of the
+// difference, and rounding keeps order.
 SHARED_FN int lineDepthAt(LineDepth d, LineWalk w, int k) { return bitsOf(d.start + d.slope * float(w.offset + kSubpixels * k)); }
 
-// What is seen of the filled picture at a pixel: bits of z (0: nothing), and the face (kNoFace: nothing).
+// Face of a pixel of the filled picture where nothing is drawn. The picture has bits of z (0: nothing) and the face a pixel.
 SHARED_CONST uint kNoFace = 0xffffffffu;
 
-// Hidden lines: a pixel of an edge shows when the edge's own polygon is seen there, or at a neighbour across the line (the pixel before or
-// after it along the minor axis: the line runs between these centres, and its polygon may begin beyond it), or when the line is not behind what
-// is seen there. No tolerance in depth is needed: where the edge lies in the seen surface, it is the surface's own.
+// True when a pixel of an edge shows although hidden lines are removed. One of three holds: the edge's own polygon is seen there; or it is
+// seen at a neighbour across the line (the pixel before or after it along the minor axis); or the line is not behind what is seen there.
+// The line runs between the centres of the neighbours, and its polygon may begin beyond it. No tolerance in depth is needed: where the edge
+// lies in the seen surface, that surface is the edge's own.
 SHARED_FN bool lineShows(int lineZ, uint edgeFace, uvec2 here, uvec2 before, uvec2 after) {
     return here.y == edgeFace || before.y == edgeFace || after.y == edgeFace || lineZ >= int(here.x);
 }

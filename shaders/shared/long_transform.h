@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: MIT
-// Contract of the transforms that are more accurate than float32 (--trade transform=): a point times a row of the composite matrix with one
-// rounding to float32 at its end. In block-scaled integers (one exponent a row, one an object) all that comes before that rounding is exact, on every device;
-// in binary64 each step rounds, to nearest even (host/selftest.h asks the device). What follows takes the results as it takes those of transform.h.
+// Contract of the transforms that are more accurate than float32 (--trade transform=): a point times a row of the composite matrix, rounded
+// to float32 once, at the end. In block-scaled integers (one exponent a row, one an object) everything before that rounding is exact, on
+// every device. In binary64 each step rounds to nearest even (host/selftest.h tests the device for it). Later passes read the results as
+// they read those of transform.h.
 #ifndef PLUMB_LONG_TRANSFORM_H
 #define PLUMB_LONG_TRANSFORM_H
 #include "transform.h"
 SHARED_BEGIN
 
-// high 2^32 + low, two's complement.
+// Integer high 2^32 + low, two's complement.
 struct Word64 {
     int high;
     uint low;
 };
 
-// One row twice. As integers: (m.x X + m.y Y + m.z Z + last) 2^exponent for the point (X, Y, Z), |m| and |X| at most 2^30, |last| at most 2^61.
-// In binary64: two numbers a vector, of each the low word first.
+// Row of a matrix in both number formats. Integers: (m.x X + m.y Y + m.z Z + last) 2^exponent for the point (X, Y, Z), |m| and |X| at most
+// 2^30, |last| at most 2^61. Binary64: two numbers a vector, the low word of each first.
 struct LongRow {
     ivec3 m;
     int exponent;
@@ -22,7 +23,7 @@ struct LongRow {
     uvec4 double01, double23;
 };
 
-// One an object, beside its ObjectRecord.
+// Record of one object, beside its ObjectRecord.
 struct LongRecord {
     LongRow x, y, w;
     float scale;  // a power of two: X = x scale, rounded half to even
@@ -46,7 +47,7 @@ SHARED_FN Word64 productOfInts(int a, int b) {
     return product;
 }
 
-// value 2^exponent as the nearest float32, half to even; 0 where that would be subnormal. |value| < 2^63; the result must be finite.
+// Nearest float32 to value 2^exponent, half to even; 0 where that would be subnormal. |value| < 2^63; the result must be finite.
 SHARED_FN float realOfWord(Word64 value, int exponent) {
     bool negative = value.high < 0;
     Word64 magnitude = value;
@@ -83,10 +84,11 @@ SHARED_FN ivec3 blockPoint(vec3 p, float scale) {
     return ivec3(toInt(roundEvenReal(p.x * scale)), toInt(roundEvenReal(p.y * scale)), toInt(roundEvenReal(p.z * scale)));
 }
 
-// Clip-space x, y and w. With P (2^-96 to 2^126) the largest |coordinate| of the object and M the largest of a row's |m_i|: half a unit of X is at most 2^-30 P, half
-// a unit of m at most 2^-30 M or, where m_3 asks for larger units, 2^-31 |m_3| / P. So a result r is off by at most
-//     u |r| + 6 2^-30 M P (1 + 2^-30) + 2^-29 |m_3|,     and in binary64 by  u |r| + 2^-103 + 4.01 2^-53 (sum |m_i p_i| + |m_3|),
-// where float32 may be off by 4.01 u (sum |m_i p_i| + |m_3|), and by half an ULP of each m_i besides.
+// Clip-space x, y and w of a point. P (2^-96 to 2^126): the largest |coordinate| of the object. M: the largest |m_i| of a row. Half a unit
+// of X is at most 2^-30 P. Half a unit of m is at most 2^-30 M or, where m_3 asks for larger units, 2^-31 |m_3| / P. So a result r is off
+// by at most
+//     u |r| + 6 2^-30 M P (1 + 2^-30) + 2^-29 |m_3|,     and in binary64 by  u |r| + 2^-103 + 4.01 2^-53 (sum |m_i p_i| + |m_3|).
+// float32 may be off by 4.01 u (sum |m_i p_i| + |m_3|), and by half an ULP of each m_i besides.
 SHARED_FN vec3 blockClip(LongRecord o, vec3 p) {
     ivec3 q = blockPoint(p, o.scale);
     return vec3(rowTimesBlock(o.x, q), rowTimesBlock(o.y, q), rowTimesBlock(o.w, q));

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
 // Contract of the products that `plumb bench matrix` measures: matrix times vector, matrix times matrix, float32, in a stated order.
-// Nothing in a picture comes from here: the passes use one composite of the host (transform.h).
+// No picture uses this file: the passes use one composite that the host makes (transform.h).
 #ifndef PLUMB_PRODUCT_H
 #define PLUMB_PRODUCT_H
 #include "bridge.h"
 SHARED_BEGIN
 
-SHARED_CONST uint kMostMatrices = 7u;  // applied one after another
+SHARED_CONST uint kMostMatrices = 7u;  // matrices applied one after another
 
 struct Rows {
-    vec4 r0, r1, r2, r3;  // of a 4 x 4 matrix, for column vectors
+    vec4 r0, r1, r2, r3;  // rows of a 4 x 4 matrix, for column vectors
 };
 
 struct VertexPair {
-    vec4 first, second;  // neighbours: results are stored by two
+    vec4 first, second;  // neighbours; results are stored in pairs
 };
-SHARED_CONST uint kPairsPerLane = 8u;  // of an invocation
+SHARED_CONST uint kPairsPerLane = 8u;  // pairs an invocation
 
 struct VerticesPush {
     uint statusSlot;
@@ -28,12 +28,12 @@ struct ChainPush {
     uint perLane;  // consecutive matrices that an invocation multiplies, 2 to kMostPerLane
     uint laneCount;
 };
-SHARED_CONST uint kFactorsPerStep = 4u;    // of its loop
+SHARED_CONST uint kFactorsPerStep = 4u;    // factors a step of an invocation's loop
 SHARED_CONST uint kMostPerLane = 240000u;  // 60,000 steps: lavapipe ends a loop after 65,535
 
 SHARED_FN float rowTimes(vec4 row, vec4 p) { return ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w * p.w; }
 SHARED_FN vec4 timesVector(Rows m, vec4 p) { return vec4(rowTimes(m.r0, p), rowTimes(m.r1, p), rowTimes(m.r2, p), rowTimes(m.r3, p)); }
-// What is stored for vertex i where only storing is measured: i times the first row.
+// Value stored for vertex i where only storing is measured: i times the first row.
 SHARED_FN vec4 markOf(Rows m, uint vertex) { return m.r0 * float(vertex); }
 SHARED_FN vec4 timesRows(vec4 row, Rows b) { return ((b.r0 * row.x + b.r1 * row.y) + b.r2 * row.z) + b.r3 * row.w; }
 SHARED_FN Rows timesMatrix(Rows a, Rows b) {
@@ -44,7 +44,7 @@ SHARED_FN Rows timesMatrix(Rows a, Rows b) {
     m.r3 = timesRows(a.r3, b);
     return m;
 }
-// In place of a product where only loading is measured.
+// Sum in place of the product, where only loading is measured.
 SHARED_FN Rows sumOfRows(Rows a, Rows b) {
     Rows m;
     m.r0 = a.r0 + b.r0;

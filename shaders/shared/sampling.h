@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Contract of rays' sampling (notes 18.4.1 and 18.4.3, 18.5): where in a pixel rays pass, noise on what they send on, colours cut to whole levels.
-// Noise is a hash of sample, seed and the way that a ray took: no order of work and no side changes it.
+// Contract of rays' sampling (notes 18.4.1, 18.4.3 and 18.5): where in a pixel rays pass, noise on secondary rays, colours cut to whole
+// levels. Noise is a hash of sample, seed and the path that a ray took, so neither order of work nor side changes it.
 #ifndef PLUMB_SAMPLING_H
 #define PLUMB_SAMPLING_H
 #include "ray.h"
@@ -12,22 +12,22 @@ SHARED_CONST uint kSampleRandom = 2u;  // anywhere in the sample's square
 SHARED_CONST uint kSampleCorner = 3u;  // its upper left corner
 SHARED_CONST uint kSampleNotes = 4u;   // its lower right corner: where the notes' C program looks
 
-// O'Neill's PCG: a step of the congruential generator, permuted. Every word comes from one word.
+// Random word from a word: O'Neill's PCG, one step of the congruential generator, permuted.
 SHARED_FN uint mixed(uint x) {
     uint state = x * 747796405u + 2891336453u;
     uint word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
     return (word >> 22u) ^ word;
 }
 SHARED_FN uint keyOfSample(uint column, uint row, uint seed) { return mixed(column + mixed(row + mixed(seed))); }
-// What a hit sends on: 1 the mirrored ray, 2 the refracted one, 3 + i the feeler to light i.
+// Key of the first shadow ray among the children of a hit: 1 the mirrored ray, 2 the refracted ray, 3 + i the shadow ray to light i.
 SHARED_CONST uint kFirstFeelerKey = 3u;
 SHARED_FN uint keyOfChild(uint key, uint which) { return mixed(key ^ (which * 2654435769u)); }
 
-// In [0, 1) and in [-1, 1): 24 bits, exact.
+// Noise of 24 bits, exact: unitNoise() in [0, 1), signedNoise() in [-1, 1).
 SHARED_FN float unitNoise(uint key) { return float(int(key >> 8u)) * 5.9604644775390625e-8f; }
 SHARED_FN float signedNoise(uint key) { return float(int(key >> 8u)) * 1.1920928955078125e-7f - 1.0f; }
 
-// Place of sample `index` (a column or a row) along its axis, in samples. `side`: samples a pixel along an axis; `noise` in [0, 1).
+// Position of sample `index` (a column or a row) along its axis, in samples. `side`: samples a pixel along an axis. `noise` in [0, 1).
 SHARED_FN float sampleAlong(uint sampling, uint index, uint side, float noise) {
     float at = float(int(index)) + 0.5f;
     at = pick(sampling == kSampleCentre, float(int(index / side * side)) + 0.5f * float(int(side)), at);
@@ -40,8 +40,8 @@ SHARED_FN float columnOf(uint sampling, uint column, uint side, uint key) {
 }
 SHARED_FN float rowOf(uint sampling, uint row, uint side, uint key) { return sampleAlong(sampling, row, side, unitNoise(mixed(key + 2u))); }
 
-// The unit vector d disturbed by a vector out of the cube [-amount, amount)^3, unit again. Where that would pass to the other side of the surface
-// of normal n it stays d. amount <= 1/2: no result is shorter than 1 - sqrt(3) / 2 before it is made unit.
+// Unit vector d disturbed by a vector out of the cube [-amount, amount)^3, normalised again. The result is d itself where the disturbed
+// vector would pass to the other side of the surface of normal n. amount <= 1/2: no disturbed vector is shorter than 1 - sqrt(3) / 2.
 SHARED_FN vec3 jittered(vec3 d, vec3 n, float amount, uint key) {
     vec3 noise = vec3(signedNoise(mixed(key)), signedNoise(mixed(key + 1u)), signedNoise(mixed(key + 2u)));
     vec3 other = unitLength(d + noise * amount);
@@ -50,9 +50,10 @@ SHARED_FN vec3 jittered(vec3 d, vec3 n, float amount, uint key) {
     return chosen(before == after, other, d);
 }
 
-// Whole levels, as the notes' C program counts colours: that of a surface to the nearest, and int(0.7 * mirrored + 0.3 * local), toward zero.
+// Highest of the whole levels in which the notes' C program counts colours. It takes a surface's colour to the nearest level, and int(0.7 *
+// mirrored + 0.3 * local) toward zero.
 SHARED_CONST float kTopLevel = 255.0f;
-SHARED_CONST float kOneLevel = 0.0039215686274509803922f;  // times a level, encoded as linear light: that level
+SHARED_CONST float kOneLevel = 0.0039215686274509803922f;  // a level times this, encoded as linear light, gives that level
 SHARED_FN float wholeLevel(float colour) { return roundEvenReal(colour * kTopLevel); }
 SHARED_FN float cutLevel(float mirrored, float local) { return floorReal(mirrored + local); }
 SHARED_FN vec3 wholeLevels(vec3 c) { return vec3(wholeLevel(c.x), wholeLevel(c.y), wholeLevel(c.z)); }

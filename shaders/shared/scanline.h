@@ -11,8 +11,8 @@
 // Without a Z-buffer (section 13) every pixel is taken, by one polygon after the other.
 //
 // X is exact: an edge's X is a whole column and a rest over the edge's height, so columns of a line are whole numbers and no sum of
-// rounded steps decides them. Z and what else is carried are counted in whole lines and columns from the farther end and rounded once
-// (scanAlong): the nearer end of a polygon that is cut at the near plane may be a million times as large.
+// rounded steps decides them. Z and attributes are counted in whole lines and columns from the farther end and rounded once (scanAlong).
+// The nearer end of a polygon that is cut at the near plane may be a million times as large.
 #ifndef PLUMB_SCANLINE_H
 #define PLUMB_SCANLINE_H
 #include "exact.h"
@@ -21,7 +21,7 @@ SHARED_BEGIN
 // Rounds of an invocation's loops: lavapipe ends them after 65,535. A polygon of more lines or columns is cut into blocks.
 SHARED_CONST int kScanLimit = 60000;
 SHARED_CONST int kScanBlock = 30000;
-SHARED_CONST int kScanFarthestPixel = 536870912;  // 2^29, of a corner: 2 height and every product of two heights stay in range
+SHARED_CONST int kScanFarthestPixel = 536870912;  // 2^29, limit of a corner: 2 height and every product of two heights stay in range
 SHARED_CONST uint kNoPolygon = 0xffffffffu;
 SHARED_CONST float kScanFarthest = 3.0e38f;  // beyond every Z
 
@@ -33,7 +33,7 @@ struct ScanCorner {
 
 // X of an edge is column + rest / height, 0 <= rest < height.
 struct ScanEdge {
-    uint top, bottom;  // corners; y of top < y of bottom
+    uint top, bottom;  // indices of corners; y of top < y of bottom
     int column;        // X on the first line of the block that the edge is active on
     uint rest;
     int columnStep;  // dX
@@ -43,10 +43,10 @@ struct ScanEdge {
 
 // A polygon, or a block of a large one.
 struct ScanPolygon {
-    uint firstEdge, edgeCount;     // first the two that are active on the first line, then those that follow, by y of their top
-    int firstLine, lineCount;      // of the block, within the canvas
-    int lastLine;                  // of the polygon
-    int firstColumn, columnCount;  // of the block, within the canvas
+    uint firstEdge, edgeCount;     // first the two edges that are active on the first line, then the others by y of their top
+    int firstLine, lineCount;      // lines of the block within the canvas
+    int lastLine;                  // last line of the whole polygon
+    int firstColumn, columnCount;  // columns of the block within the canvas
     uint firstSpan;
 };
 
@@ -81,20 +81,20 @@ struct ScanAcross {
 
 struct ScanPush {
     uint statusSlot;
-    uint firstPolygon, polygonCount;  // of this dispatch
-    int width, height;                // of the canvas
-    uint zBuffer;                     // 0: section 13's fill without one, what is painted later is seen
+    uint firstPolygon, polygonCount;  // polygons of this dispatch
+    int width, height;                // canvas
+    uint zBuffer;                     // 0: section 13's fill without a Z-buffer, later polygons paint over earlier ones
 };
 
-// What is smaller than 2^-75 is 0: quotients stay in the range of the emulated division, and each product below is a multiple of 2^-122.
+// Flushes |x| < 2^-75 to 0: quotients stay in the range of the emulated division, and each product below is a multiple of 2^-122.
 SHARED_FN float scanSnap(float x) {
     int bits = bitsOf(x);
     return realOf(pick((bits & 0x7fffffff) < 0x1a000000, 0, bits));
 }
 SHARED_FN float scanQuotient(float a, float b) { return scanSnap(exactDivide(scanSnap(a), b)); }
 
-// base + steps * step with one rounding, but for 2^-33 of the larger summand: the rounding errors of product (Dekker) and sum (Knuth) are
-// computed and added last.
+// Value of base + steps * step with one rounding, but for 2^-33 of the larger summand. The rounding errors of product (Dekker) and sum
+// (Knuth) are computed and added last.
 SHARED_FN float scanUpperHalf(float x) { return realOf(bitsOf(x) & -4096); }
 SHARED_FN float scanAlong(float base, float steps, float step) {
     float stepsHigh = scanUpperHalf(steps);
@@ -149,7 +149,7 @@ SHARED_FN ScanSlope scanSlope(ScanCorner top, ScanCorner bottom) {
     s.step = scanStep(scanAtCorner(top), scanAtCorner(bottom), toReal(bottom.y - top.y));
     return s;
 }
-// Each corner's line has the corner's own values, so that edges meet in one point.
+// Values of an edge on line y. Each corner's line has the corner's own values, so that edges meet in one point.
 SHARED_FN ScanValues scanOnLine(ScanSlope s, int y) {
     return scanChosen(y == s.toLine, s.to, scanMoved(s.from, toReal(y - s.fromLine), s.step));
 }
@@ -168,7 +168,7 @@ SHARED_FN ScanWalk scanNext(ScanWalk w, ScanEdge e) {
     return w;
 }
 
-// After the line y an edge to `bottomY` gives way, unless the polygon ends there.
+// True when, after line y, the edge that ends at `bottomY` is replaced by the next one. False where the polygon ends there.
 SHARED_FN bool scanEdgeEnds(int y, int lastLine, int bottomY) { return y >= bottomY && y < lastLine; }
 
 // True when restA / heightA < restB / heightB.
@@ -179,7 +179,7 @@ SHARED_FN bool scanIsLess(uint restA, uint heightA, uint restB, uint heightB) {
     multiplyLong(int(restB), int(heightA), highB, lowB);
     return highA < highB || (highA == highB && lowA < lowB);
 }
-// rest / height in whole 2^-24.
+// Fraction rest / height, rounded down to a multiple of 2^-24.
 SHARED_FN float scanFraction(uint rest, uint height) {
     return floorReal(exactDivide(toReal(int(rest)), toReal(int(height))) * 16777216.0f) * 5.9604644775390625e-8f;
 }
@@ -203,7 +203,7 @@ SHARED_FN ScanSpan scanSpan(ScanWalk i, uint heightI, ScanValues valuesI, ScanWa
     return s;
 }
 
-// The divisor is the difference of X (A7). A line of one pixel has the left end's values.
+// Values across a line. The divisor is the difference of X (A7). A line of one pixel has the left end's values.
 SHARED_FN ScanAcross scanAcross(ScanSpan s) {
     bool several = s.more > 0;
     bool fromRight = s.right.z > s.left.z;
@@ -217,11 +217,11 @@ SHARED_FN ScanAcross scanAcross(ScanSpan s) {
     return a;
 }
 
-// Steps of a line that paint columns of the block: first to last, none when first > last.
+// First and last step of a line that paint columns of the block; none when first > last.
 SHARED_FN int scanFirstStep(ScanSpan s, ScanPolygon p) { return max(0, p.firstColumn - s.first); }
 SHARED_FN int scanLastStep(ScanSpan s, ScanPolygon p) { return min(s.more, p.firstColumn + p.columnCount - 1 - s.first); }
 SHARED_FN int scanColumn(ScanSpan s, int steps) { return s.first + steps; }
-// A pixel on an end of the line has the end's own values, so that polygons beside each other are equal there.
+// Values of a pixel. On an end of the line they are the end's own, so that neighbouring polygons are equal there.
 SHARED_FN ScanValues scanPixel(ScanAcross a, int steps) {
     float x = toReal(steps);
     return scanChosen(x == a.toSteps, a.to, scanMoved(a.from, x + a.offset, a.step));

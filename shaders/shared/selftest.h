@@ -13,7 +13,7 @@ SHARED_CONST uint kCanaryIterations = 80000u;  // above the 65,535 at which lava
 
 struct SelfTestVector {
     float x;  // normal, |x| in [2^-60, 2^60], so every answer is normal or zero
-    float y;  // likewise
+    float y;  // normal, |y| in [2^-60, 2^60]
     uint i;
     uint j;
     float converted;  // |converted| < 2^31
@@ -27,33 +27,33 @@ struct SelfTestAnswer {
     float floatOfInt;
     float floatOfUint;
     int intOfFloat;
-    uint uintOfFloat;  // of |converted|
+    uint uintOfFloat;  // |converted| as an integer
     uint unsignedHigh;
     uint unsignedLow;
     int signedHigh;
     int signedLow;
     float nativeQuotient;
-    float nativeRoot;  // of |x|
+    float nativeRoot;  // square root of |x|
     float emulatedQuotient;
     float emulatedRoot;
 };
 
-// Of binary64, each number as two words. Asked only of a device that shall transform in it.
+// Vectors of the self-test of binary64, each number as two words. It runs only on a device that shall transform in binary64.
 SHARED_CONST uint kDoubleVectors = 4096u;
 struct DoubleVector {
     uint aLow, aHigh, bLow, bHigh;  // |a|, |b| in [2^-60, 2^60]
-    float x;                        // likewise
+    float x;                        // normal, |x| in [2^-60, 2^60]
 };
 struct DoubleAnswer {
-    uint sumLow, sumHigh;          // a + b
-    uint productLow, productHigh;  // a x
-    uint bothLow, bothHigh;        // a x + b as two operations: shows a contraction
+    uint sumLow, sumHigh;          // words of a + b
+    uint productLow, productHigh;  // words of a x
+    uint bothLow, bothHigh;        // words of a x + b as two operations: shows a contraction
     float rounded;                 // a as float32
 };
 
 struct CanaryAnswer {
     uint iterations;
-    uint state;  // of the generator below after so many iterations
+    uint state;  // state of the generator nextState() after `iterations` steps
     float sum;
     float product;
     float quotient;
@@ -62,7 +62,7 @@ struct CanaryAnswer {
 
 struct SelfTestPush {
     uint statusSlot;
-    uint iterations;  // of the canary loop; unknown to the compiler
+    uint iterations;  // iterations of the canary loop; unknown to the compiler
 };
 
 // Numerical Recipes' generator: no closed form a compiler would replace the loop with.

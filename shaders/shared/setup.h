@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Contract of the set-up pass: the drawn triangles of a chunk as one list in the order of the file. A triangle that is drawn whole
-// takes one place, a clipped one kClipFan places (unused ones have three equal vertices), so a lower place is a lower triangle.
+// Contract of the set-up pass: the drawn triangles of a chunk as one list in the order of the file. A triangle that is drawn whole takes
+// one slot of the list. A clipped one takes kClipFan slots; unused ones have three equal vertices. So a smaller slot means a triangle with
+// a smaller index.
 #ifndef PLUMB_SETUP_H
 #define PLUMB_SETUP_H
 #include "cull.h"
@@ -10,16 +11,16 @@ SHARED_CONST uint kNoTriangle = 0xffffffffu;
 
 struct SetupPush {
     uint statusSlot;
-    uint placeCount;  // of the draw list
-    uint tilesX;      // of the frame, where small triangles are binned in the same pass (one band); else 0
-    uint room;        // as BinPush
+    uint placeCount;  // slots of the draw list
+    uint tilesX;      // tiles of the frame where small triangles are binned in the same pass (one band); else 0
+    uint room;        // entries a tile, as in BinPush
     FrameBox frame;
 };
 
 struct ClipJob {
-    uint triangle;  // of the chunk
+    uint triangle;  // triangle of the chunk
     uint object;
-    uint place;   // first of kClipFan places in the draw list
+    uint place;   // first of kClipFan slots in the draw list
     uint vertex;  // first of kClipCorners vertices
 };
 
@@ -31,7 +32,7 @@ struct ClipPush {
     Viewport viewport;
 };
 
-// A triangle that faces the viewer.
+// Draw-list entry of a triangle that faces the viewer.
 SHARED_FN DrawTriangle frontTriangle(uint v0, uint v1, uint v2, ivec2 p0, ivec2 p1, ivec2 p2, uint source) {
     uint first = firstCorner(p0, p1, p2);
     DrawTriangle d;

@@ -2,7 +2,7 @@
 // Contract of the shade pass: Phong's illumination in linear RGB (docs/illumination.md, A point).
 //   colour = base + sum over lights of I * attenuation * (Kd max(N.L, 0) + Ks (R.V)^n [N.L > 0]),  base = Ka Ia + Ke.
 // Only float32 + - *, integer operations on bits and selections: the same bytes on every device that rounds correctly.
-// Attenuation weighs diffuse and specular alike. Lights are added in their order.
+// Attenuation weighs diffuse and specular alike. Lights are added in the order of their list.
 #ifndef PLUMB_SHADE_H
 #define PLUMB_SHADE_H
 #include "bridge.h"
@@ -17,7 +17,7 @@ SHARED_CONST uint kAttenuationNone = 0u;
 SHARED_CONST uint kAttenuationInverse = 1u;
 SHARED_CONST uint kAttenuationInverseSquare = 2u;
 
-// Two texels: (x, y, z, kind), (r, g, b, attenuation); kind 0: unit vector toward the light, 1: position relative to the eye.
+// Light in two texels: (x, y, z, kind), (r, g, b, attenuation). kind 0: unit vector toward the light; 1: position relative to the eye.
 struct LightRecord {
     vec3 place;
     float kind;
@@ -26,7 +26,7 @@ struct LightRecord {
 };
 SHARED_CONST int kLightTexels = 2;
 
-// Three texels.
+// Material in three texels.
 struct MaterialRecord {
     vec3 base;  // Ka Ia + Ke
     float shininess;
@@ -37,19 +37,20 @@ struct MaterialRecord {
 };
 SHARED_CONST int kMaterialTexels = 3;
 
-// The power of the highlight, x^n with x = R.V.
+// Function that computes the power of the highlight, x^n with x = R.V.
 SHARED_CONST uint kPowerExact = 0u;
 SHARED_CONST uint kPowerSchlick = 1u;
 SHARED_CONST uint kPowerNative = 2u;
 
-// What a plan may drop: parts that cannot change this picture; and which power it takes.
+// Terms of the illumination that the kernel computes (the plan turns off those that are zero in this scene), and the function used for the
+// highlight's power.
 struct ShadeParts {
     bool diffuse, specular, point;
     uint power;
 };
 
-// 1 / sqrt(x) for normal x > 0: integer seed (Lomont's constant) and three Newton steps; relative error below 4 u.
-// x = 0 gives a large finite number, and so (h y) y, not h (y y): y y would be infinite, and 0 times it not a number.
+// Value of 1 / sqrt(x) for normal x > 0: integer seed (Lomont's constant) and three Newton steps; relative error below 4 u. Keep the order
+// (h y) y: at x = 0, y y overflows to infinity and 0 times infinity is NaN. The result at 0 is large and finite.
 SHARED_FN Real reciprocalRoot(Real x) {
     Real y = realOf(0x5f375a86 - (bitsOf(x) >> 1));
     Real h = x * -0.5f;
@@ -59,13 +60,13 @@ SHARED_FN Real reciprocalRoot(Real x) {
     return y;
 }
 
-// 1 / x for normal x > 0, relative error below 9 u.
+// Value of 1 / x for normal x > 0, relative error below 9 u.
 SHARED_FN Real reciprocal(Real x) {
     Real y = reciprocalRoot(x);
     return y * y;
 }
 
-// (1 - delta)^n = exp2(n log2(1 - delta)) without cancellation: while 1 - delta >= sqrt(1/2) the polynomial takes -delta itself.
+// Power (1 - delta)^n = exp2(n log2(1 - delta)) without cancellation: while 1 - delta >= sqrt(1/2) the polynomial takes -delta itself.
 // Minimax polynomials of degree 7 for log2(1 + x) / x (1.7e-7) and 5 for exp2 (7.5e-8); n in [0, 1e6].
 SHARED_FN Real specularPower(Real delta, Real n, Real zeroPower) {
     Real u = real(1.0f) - delta;
@@ -94,10 +95,11 @@ SHARED_FN Real specularPower(Real delta, Real n, Real zeroPower) {
     return pick(gt(real(1.0f), delta), power, zeroPower);  // delta >= 1: R.V <= 0
 }
 
-// Schlick's x / (n - n x + x) in place of x^n (C. Schlick, A Fast Alternative to Phong's Specular Model, Graphics Gems IV, 1994). Both are 1 with
-// slope n at x = 1. For n >= 1 it is nowhere below x^n and nowhere more than kSchlickExcess above it: with t = n (1 - x) it is at most 1 / (1 + t), and
-// x^n at least e^-t (1 - t^2 / n); the supremum is approached for large n, where the excess is 1 / (1 + t) - e^-t, largest 0.20363 at t = 2.5129
-// (tests/unit/contracts_test.cpp sweeps n from 1 to 10^6). For n < 1 there is no such bound. Rounding adds less than 16 u.
+// Greatest excess of Schlick's x / (n - n x + x) over x^n (C. Schlick, A Fast Alternative to Phong's Specular Model, Graphics Gems IV,
+// 1994). Both are 1 with slope n at x = 1. For n >= 1 Schlick's is nowhere below x^n and nowhere more than kSchlickExcess above it. With t
+// = n (1 - x), Schlick's is at most 1 / (1 + t), and x^n at least e^-t (1 - t^2 / n). The supremum is approached for large n, where the
+// excess is 1 / (1 + t) - e^-t, largest 0.20363 at t = 2.5129 (tests/unit/contracts_test.cpp sweeps n from 1 to 10^6). For n < 1 there is
+// no such bound. Rounding adds less than 16 u.
 SHARED_CONST float kSchlickExcess = 0.2037f;
 SHARED_FN Real schlickPower(Real delta, Real n, Real zeroPower) {
     Real x = real(1.0f) - delta;
@@ -105,18 +107,21 @@ SHARED_FN Real schlickPower(Real delta, Real n, Real zeroPower) {
     return pick(gt(real(1.0f), delta), quotient, zeroPower);
 }
 
-// Lights that one dispatch adds up (loop iterations of an invocation are limited, and 100 ms shall do); more are added window by window.
+// Lights that one dispatch adds up; more are added window by window. Loop iterations of an invocation are limited, and a dispatch should
+// take at most 100 ms.
 SHARED_CONST uint kLightsPerWindow = 1280u;
 
-// The device's own pow(x, n). Vulkan lets it be exp2(n log2 x) with log2 off by 2^-21 in [1/2, 2] and by 3 ULP elsewhere, exp2 by 3 + 2 |p| ULP.
+// Power by the device's own pow(x, n). Vulkan allows exp2(n log2 x) with log2 off by 2^-21 in [1/2, 2] and by 3 ULP elsewhere, exp2 by 3 +
+// 2 |p| ULP.
 SHARED_FN Real nativePower(Real delta, Real n, Real zeroPower) {
     Real x = real(1.0f) - delta;
     x = pick(gt(x, real(9.5367431640625e-7f)), x, real(9.5367431640625e-7f));
     return pick(gt(real(1.0f), delta), nativePow(x, n), zeroPower);
 }
-// At most this far from specularPower, n in [0, 1e6]. p = n log2 x <= 0 is off by E = 1.25 n 2^-21 where x >= 1/2 (2^-21 from log2, 2^-22.5 from
-// rounding x = 1 - delta) and by 3.5 |p| 2^-23 elsewhere; then 2^p by (3 + 2 |p| + 2 E) 2^-23 of itself. With |p| 2^p <= 0.531 that is at most
-// 2^E - 1 + 2^E (3 + 2 E + 1.3 + 1.3) 2^-23, and 2^E <= 1 + E for E <= 1; 3 2^-23 more is specularPower's own error.
+// Bound of |nativePower - specularPower|, n in [0, 1e6]. p = n log2 x <= 0 is off by E = 1.25 n 2^-21 where x >= 1/2 (2^-21 from log2,
+// 2^-22.5 from rounding x = 1 - delta) and by 3.5 |p| 2^-23 elsewhere. Then 2^p has a relative error of (3 + 2 |p| + 2 E) 2^-23. With |p|
+// 2^p <= 0.531 that is at most 2^E - 1 + 2^E (3 + 2 E + 1.3 + 1.3) 2^-23, and 2^E <= 1 + E for E <= 1. 3 2^-23 more is specularPower's own
+// error.
 SHARED_FN float nativePowerBound(float n) {
     float e = n * 5.9604644775390625e-7f;
     return e + (1.0f + e) * (10.0f + 2.0f * e) * 1.1920928955078125e-7f;
@@ -145,7 +150,7 @@ SHARED_FN void unitVector(INOUT(Real) x, INOUT(Real) y, INOUT(Real) z) {
     z = z * inverse;
 }
 
-// The vector toward the viewer, left unnormalised in s: made unit, or for a distant viewer (section 3 of the notes) the same unit vector everywhere.
+// Normalises the view vector of s. A distant viewer (section 3 of the notes) has the same unit vector everywhere.
 SHARED_FN void seeFrom(bool distant, vec3 toward, INOUT(Surface) s) {
     if (distant) {
         s.vx = real(toward.x);
@@ -156,7 +161,7 @@ SHARED_FN void seeFrom(bool distant, vec3 toward, INOUT(Surface) s) {
     }
 }
 
-// The unit vector toward a light, and the share of its light that reaches the place.
+// Unit vector toward a light, and the share of its light that reaches the point (`fade`).
 struct Toward {
     Real x, y, z, fade;
 };

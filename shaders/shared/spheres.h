@@ -13,7 +13,7 @@
 SHARED_BEGIN
 
 SHARED_CONST int kSphereReach = 4096;    // r^2 <= 2^24 is exact as a float
-SHARED_CONST int kSpheresOfRow = 50000;  // an invocation may loop 65,535 times, spheres and lights together
+SHARED_CONST int kSpheresOfRow = 50000;  // an invocation may loop 65,535 times, over spheres and lights together
 SHARED_CONST int kSphereLights = 10000;
 SHARED_CONST uint kNoSphere = 0xffffffffu;
 SHARED_CONST float kSphereFarthest = 3.0e38f;  // beyond every depth
@@ -22,25 +22,25 @@ struct SphereDisc {
     int column, row;    // pixel of the centre, on the canvas or not
     int reach;          // whole part of r, 1 to kSphereReach
     int radiusSquared;  // whole part of r^2
-    vec3 centre;        // relative to the eye, world axes, in the passes' lengths
-    float depth;        // of the centre along +Z from the eye, the same lengths
+    vec3 centre;        // centre relative to the eye, world axes, in the passes' lengths
+    float depth;        // depth of the centre along +Z from the eye, in the same lengths
     uint material;
 };
 
 struct SpheresPush {
     uint statusSlot;
     uint width;
-    uint firstRow, rowCount;  // of this dispatch
+    uint firstRow, rowCount;  // rows of this dispatch
     uint lightCount;
     uint wholeHeights;  // 1: z is rounded to a whole number
-    float unit;         // the passes' length of a pixel, a power of two
+    float unit;         // length of a pixel in the passes' lengths, a power of two
 };
 
-// x, y: from the centre, y up.
+// True when the sphere covers the pixel at (x, y) from its centre, y up.
 SHARED_FN bool sphereCovers(SphereDisc s, int x, int y) { return abs(x) <= s.reach && x * x + y * y <= s.radiusSquared; }
 
-// z of a covered pixel, in pixels. The whole number nearest to sqrt(n) is k or k + 1 for k <= sqrt(n): it is never a tie, as (k + 1/2)^2 is no
-// whole number, so n > k^2 + k decides; a root that was rounded up to a whole number is that number.
+// Height z of a covered pixel, in pixels. The whole number nearest to sqrt(n) is k or k + 1 for k <= sqrt(n). It is never a tie, as (k +
+// 1/2)^2 is no whole number, so n > k^2 + k decides. A root that was rounded up to a whole number is that number.
 SHARED_FN float sphereHeight(SphereDisc s, int x, int y, uint wholeHeights) {
     int n = s.radiusSquared - (x * x + y * y);
     float root = exactRoot(toReal(n));

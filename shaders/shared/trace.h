@@ -1,28 +1,33 @@
 // SPDX-License-Identifier: MIT
 // Contract of the trace pass: light transport of the notes (18.1 to 18.4.3).
-// Sums in whole levels are the other form (kCutLevels, sampling.h): of a path with one child a hit, from its end to the eye.
-//   colour of a ray = local weight * Phong with shadow feelers + reflect * colour of the mirrored ray + transmit * colour of the refracted ray,
-// a ray that hits nothing has the sky's. It is summed as weight of the path * local colour, each ray before its children and the mirrored
-// child's whole tree before the refracted one's: this order is part of the contract, so however the rays are kept the bytes are the same.
+//   colour of a ray = local weight * Phong with shadow rays + reflect * colour of the mirrored ray + transmit * colour of the refracted
+// ray.
+// A ray that hits nothing has the sky's colour. The sum is taken as weight of the path * local colour, each ray before its children and the
+// whole tree of the mirrored ray before that of the refracted one. This order is part of the contract, so the bytes are the same however
+// rays are kept.
+// The other form sums in whole levels (kCutLevels, sampling.h): along a path with one child a hit, from its end to the eye.
 #ifndef PLUMB_TRACE_H
 #define PLUMB_TRACE_H
 #include "sampling.h"
 #include "triangle.h"
 SHARED_BEGIN
 
-SHARED_CONST uint kRayDepthLimit = 64u;  // of rays one after another; the primary ray has depth 1
+SHARED_CONST uint kRayDepthLimit = 64u;  // longest chain of rays; the primary ray has depth 1
 
-// Objects that rays meet are counted in one row: spheres, planes, triangles. A mesh has, as texels: two a corner (position, normal), two a
-// triangle (corners and material; bits of its geometric normal), three a leaf of its tree (a triangle's corners as bits, the first with its
-// number), two a child of a node (box low, link; box high, the child to go on with when this one is passed over or done). A link is a node,
-// kLeaf + a leaf, or kNoChild; a leaf is one triangle. Child c of node n has number n kNodeChildren + c. Node 0 has one child, the whole tree,
-// whose children are those of kTopNode. Leaves are numbered as a walk from each node's first child to its last meets them.
+// Objects that rays meet are counted in one row: spheres, planes, triangles. A mesh has, as texels:
+// - two a corner: position, normal;
+// - two a triangle: corners and material; bits of its geometric normal;
+// - three a leaf of its BVH: a triangle's corners as bits, the first with the triangle's number;
+// - two a child of a node: box low, link; box high, the child to continue with when this one is passed over or done.
+// A link is a node, kLeaf + a leaf, or kNoChild; a leaf is one triangle. Child c of node n has number n kNodeChildren + c. Node 0 has one
+// child, the whole tree, whose children are those of kTopNode. Leaves are numbered in the order of a walk from each node's first child to
+// its last.
 SHARED_CONST uint kNodeChildren = 8u;
 SHARED_CONST uint kTopNode = 1u;
 SHARED_CONST uint kLeaf = 0x80000000u;
 SHARED_CONST uint kNoChild = 0xffffffffu;
 
-// Four texels.
+// Material of rays in four texels.
 struct TraceMaterial {
     vec3 base;  // Ka Ia + Ke
     float shininess;
@@ -35,57 +40,57 @@ struct TraceMaterial {
 };
 SHARED_CONST int kTraceMaterialTexels = 4;
 
-// Exact counts, four words a depth: rays of each kind, and feelers sent from hits of rays of that depth.
+// Counters, exact, four words a depth: rays of each kind, and shadow rays sent from hits of rays of that depth.
 SHARED_CONST uint kCountPrimary = 0u;
 SHARED_CONST uint kCountReflected = 1u;
 SHARED_CONST uint kCountRefracted = 2u;
 SHARED_CONST uint kCountFeelers = 3u;
 SHARED_CONST uint kCountKinds = 4u;
 SHARED_CONST uint kCountUndecided = 256u;   // rays parallel to a plane within rounding
-SHARED_CONST uint kCountUnfinished = 257u;  // samples with rays still waiting (list form)
+SHARED_CONST uint kCountUnfinished = 257u;  // samples with waiting rays (list form)
 SHARED_CONST uint kCounters = 258u;
 
-// Planes that a draw can leave, in this order, only those asked for.
+// AOVs of a draw, in this order, only those that the request names.
 SHARED_CONST uint kTracePlaneDistance = 1u;  // bits of the distance; 0 where nothing is hit
 SHARED_CONST uint kTracePlaneObject = 2u;    // kNoObject where nothing is hit
 SHARED_CONST uint kTracePlaneLinear = 4u;    // three planes
 SHARED_CONST uint kTracePlaneNormal = 8u;    // three planes: world, unit, facing the eye
 
-// A ray that waits for its turn: origin, direction, weight, object it starts on, depth << 3 | kind << 1 | inside, key of its noise.
+// Waiting ray in words: origin, direction, weight, object it starts on, depth << 3 | kind << 1 | inside, key of its noise.
 SHARED_CONST uint kWaitingWords = 10u;
-// Of a sample between two dispatches: colour so far, rays that wait.
+// State of a sample between two dispatches: colour so far, number of waiting rays.
 SHARED_CONST uint kStateWords = 4u;
 
 struct TracePush {
     uint statusSlot;
     uint itemCount, firstItem;  // samples of this dispatch, row by row in the frame
-    uint width;                 // of the frame
-    uint firstRow;              // of the band: row 0 of the buffers
+    uint width;                 // width of the frame
+    uint firstRow;              // first row of the band: row 0 of the buffers
     uint rowWords, planeWords;  // pitch
     uint sphereCount, planeCount, lightCount;
-    uint childCount;  // of the tree: places, whether used or not
+    uint childCount;  // children of the BVH, unused ones included
     float reach;      // largest |coordinate| of a corner
     uint maxDepth;
     uint rayLimit;    // rays a sample may follow in this dispatch
-    uint first;       // 1: samples begin; 0: they go on with what waits (list form)
-    uint background;  // encoded
+    uint first;       // 1: samples begin; 0: they continue with their waiting rays (list form)
+    uint background;  // encoded colour
     float minWeight;
     vec3 rayOrigin, rayX, rayY;  // direction to sample (x, y), forward component 1
     vec3 sky;
-    uint seed;      // of the noise
+    uint seed;      // seed of the noise
     uint tileRows;  // samples come in tiles: rows of this dispatch, from row firstItem / width on
 };
 
 SHARED_FN vec3 primaryDirection(vec3 origin, vec3 perX, vec3 perY, float x, float y) { return unitLength((origin + perX * x) + perY * y); }
 
-// What a hit sends on. Total reflection hands the transmitted weight to the mirrored ray.
+// Secondary rays of a hit. Total reflection hands the transmitted weight to the mirrored ray.
 struct Children {
     bool mirror, pass;
     float mirrorWeight, passWeight;
     vec3 mirrorDirection, passDirection;
 };
 
-// n faces the ray. A child is followed when it is no deeper than maxDepth and weighs at least minWeight.
+// Children of a hit; n faces the ray. A child is followed when it is no deeper than maxDepth and weighs at least minWeight.
 SHARED_FN Children childrenOf(vec3 d, vec3 n, bool inside, float mirrorShare, float passShare, float index, float inverseIndex,
                               float weight, uint depth, uint maxDepth, float minWeight) {
     float cosine = -dot3(d, n);
@@ -104,8 +109,8 @@ SHARED_FN Children childrenOf(vec3 d, vec3 n, bool inside, float mirrorShare, fl
     return c;
 }
 
-// A feeler from q to a light: direction and length. Nothing at or behind the light casts: the length is shortened by 16 u, the error of both
-// lengths that are compared.
+// Shadow ray from q to a light: direction and length. Nothing at or behind the light casts a shadow. So the length is shortened by 16 u,
+// the error of both lengths that are compared.
 struct Feeler {
     vec3 direction;
     float reach;
@@ -124,8 +129,8 @@ SHARED_FN Feeler feelerTo(vec4 place, vec3 q) {
     }
     return f;
 }
-// Blockers are multiplied in ascending order of their numbers; an opaque one leaves 0.
-// Of a mesh, an opaque triangle blocks on either side; a translucent one dims where the feeler leaves the body, so once a body.
+// Share of light after a triangle of a mesh. An opaque triangle blocks on either side. A translucent one dims where the shadow ray leaves
+// the body, so once a body. Blockers are multiplied in ascending order of their numbers; an opaque one leaves 0.
 SHARED_FN float passesTriangle(float share, float slope) { return pick(share == 0.0f || slope > 0.0f, share, 1.0f); }
 SHARED_FN bool blocks(float t, float reach) { return t > 0.0f && t < reach; }
 

@@ -33,7 +33,7 @@ struct ScreenVertex {
 
 struct TransformPush {
     uint statusSlot;
-    uint firstVertex, vertexCount;  // of this dispatch
+    uint firstVertex, vertexCount;  // vertices of this dispatch
     uint object;
     Viewport viewport;
 };
@@ -49,7 +49,7 @@ SHARED_CONST int kClipPlanes = 5;
 SHARED_FN float rowTimesPoint(vec4 row, vec3 p) { return ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w; }
 SHARED_FN float rowTimesVector(vec4 row, vec3 v) { return (row.x * v.x + row.y * v.y) + row.z * v.z; }
 
-// Signed distance to a clip plane, >= 0 inside. Linear in (x, y, w), so it may be asked for any vertex, also behind the eye.
+// Signed distance to a clip plane, >= 0 inside. It is linear in (x, y, w), so it holds for any vertex, also behind the eye.
 SHARED_FN float planeDistance(int plane, float x, float y, float w, Viewport v) {
     float distance = v.guardY * w - y;
     if (plane == kPlaneNear) distance = w - v.near;
@@ -69,10 +69,10 @@ SHARED_FN uint outcodeOf(float x, float y, float w, Viewport v) {
     return code;
 }
 
-// Nearest sub-pixel, ties to even; `limitPixels` bounds the result (it also catches what was divided by a tiny w and will
-// be clipped anyway).
+// Nearest sub-pixel, ties to even. `limitPixels` bounds the result; it also catches coordinates divided by a tiny w, which will be clipped
+// anyway.
 SHARED_FN int snapCoarsely(float pixels, float limitPixels, uint droppedBits) {
-    float x = pick(pixels > -limitPixels, pixels, -limitPixels);  // not a number goes to the limit
+    float x = pick(pixels > -limitPixels, pixels, -limitPixels);  // NaN goes to the limit
     x = pick(x < limitPixels, x, limitPixels);
     float steps = realOf(int((135u - droppedBits) << 23));  // 2^(8 - droppedBits) a pixel
     return shiftLeft(toInt(roundEvenReal(x * steps)), int(droppedBits));

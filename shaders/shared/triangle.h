@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Contract of rays and triangles: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection" (2013), without a fused operation, and boxes.
-// In the sheared space of a ray a corner has the same coordinates in every triangle, and the sign of an edge value is exact: rounding is
-// monotone, so p - q of two rounded products has the sign of the exact difference or is 0, and then the products' errors decide. What
-// lies on an edge belongs to both triangles: no ray passes between them, and the lower triangle is hit.
+// In the sheared space of a ray a corner has the same coordinates in every triangle, and the sign of an edge value is exact. Rounding is
+// monotone, so p - q of two rounded products has the sign of the exact difference or is 0, and then the products' errors decide. A point on
+// an edge belongs to both triangles: no ray passes between them, and the triangle with the smaller index is hit.
 #ifndef PLUMB_TRIANGLE_H
 #define PLUMB_TRIANGLE_H
 #include "hit.h"
 SHARED_BEGIN
 
-// A ray as triangles and boxes take it.
+// Ray in the form that triangles and boxes read.
 struct RayFrame {
     vec3 origin, direction;
     vec3 inverse;  // 1 / direction; 2^60 in magnitude where that is smaller
@@ -23,13 +23,13 @@ SHARED_FN float safeInverse(float x) {
     return exactDivide(1.0f, pick(abs(x) > least, x, instead));
 }
 
-// The axis last, in cyclic order.
+// Coordinates in cyclic order with the given axis last.
 SHARED_FN vec3 turned(vec3 v, uint axis) {
     vec3 one = chosen(axis == 1u, vec3(v.z, v.x, v.y), v);
     return chosen(axis == 0u, vec3(v.y, v.z, v.x), one);
 }
 
-// reach: the largest |coordinate| of a corner.
+// Frame of a ray. reach: the largest |coordinate| of a corner.
 SHARED_FN RayFrame frameOfRay(vec3 o, vec3 d, float reach) {
     RayFrame f;
     f.origin = o;
@@ -52,8 +52,8 @@ SHARED_FN float greater(float a, float b) { return pick(a > b, a, b); }
 SHARED_FN vec3 lesser3(vec3 a, vec3 b) { return vec3(lesser(a.x, b.x), lesser(a.y, b.y), lesser(a.z, b.z)); }
 SHARED_FN vec3 greater3(vec3 a, vec3 b) { return vec3(greater(a.x, b.x), greater(a.y, b.y), greater(a.z, b.z)); }
 
-// Where a ray enters and leaves a box, as far as rounding: entry <= leave * (1 + 8 u) when it meets it. Both are monotone in the
-// box, so a box within another is entered no earlier.
+// Distances at which a ray enters and leaves a box, up to rounding: entry <= leave * (1 + 8 u) when it meets the box. Both are monotone in
+// the box, so a box within another is entered no earlier.
 SHARED_FN float entryOfBox(RayFrame f, vec3 low, vec3 high) {
     vec3 a = ((low - f.origin) - vec3(f.pad)) * f.inverse;
     vec3 b = ((high - f.origin) + vec3(f.pad)) * f.inverse;
@@ -69,8 +69,8 @@ SHARED_FN float exitOfBox(RayFrame f, vec3 low, vec3 high) {
 // True when the ray may hit something in the box: it meets the box, not behind the origin and not beyond the nearest hit.
 SHARED_FN bool opens(float entry, float leave, float nearest) { return entry <= leave && leave >= 0.0f && entry <= nearest; }
 
-// Rays of one origin: least and most of their inverse directions. A product is monotone in each factor, rounded too, so the products with both
-// ends enclose that with every ray's inverse: no ray of the bundle enters earlier or leaves later.
+// Bundle of rays from one origin: least and greatest inverse directions. A rounded product is monotone in each factor. So the products with
+// both ends enclose that with every ray's inverse: no ray of the bundle enters earlier or leaves later.
 struct RayBundle {
     vec3 origin, least, most;
     float pad;
@@ -88,7 +88,7 @@ SHARED_FN float latestExit(RayBundle f, vec3 low, vec3 high) {
     return lesser(lesser(latest.x, latest.y), latest.z) * 1.00000048f;
 }
 
-// a b - c d: the sign is exact.
+// Difference a b - c d with the exact sign.
 SHARED_FN float crossValue(float a, float b, float c, float d) {
     float p = a * b;
     float q = c * d;
@@ -106,9 +106,9 @@ SHARED_FN vec3 sheared(RayFrame f, vec3 corner) {
     return vec3(c.x - f.shearX * c.z, c.y - f.shearY * c.z, c.z * f.scale);
 }
 
-// Nothing is hit whose own box does not open, and the distance is not before the entry into that box. So a box may be passed over that does
-// not open, or when something nearer than its entry is hit, whatever the tree and the order: no triangle in it can win. `own`: the ray starts
-// on this triangle.
+// Hit of a triangle. It counts only when the ray also hits the triangle's own box, and its distance is not before the entry into that box.
+// So a box of the BVH may be skipped when the ray misses it or has a hit nearer than its entry: no triangle in it can win, whatever the
+// tree and the order. `own`: the ray starts on this triangle.
 SHARED_FN TriangleHit hitTriangle(RayFrame f, vec3 p0, vec3 p1, vec3 p2, bool own) {
     vec3 a = sheared(f, p0);
     vec3 b = sheared(f, p1);
@@ -138,8 +138,8 @@ SHARED_FN TriangleHit hitTriangle(RayFrame f, vec3 p0, vec3 p1, vec3 p2, bool ow
     return hit;
 }
 
-// normal: geometric, outward. The point is a weighted mean:
-// three products and two sums a coordinate, weights within 3 u: 8 u of sum |w_i p_i|.
+// Hit point on a triangle. normal: geometric, outward. The point is a weighted mean: three products and two sums a coordinate, weights
+// within 3 u: 8 u sum |w_i p_i|.
 SHARED_FN SurfacePoint pointOnTriangle(vec3 p0, vec3 p1, vec3 p2, vec3 normal, TriangleHit hit) {
     SurfacePoint s;
     s.normal = normal;
@@ -148,17 +148,18 @@ SHARED_FN SurfacePoint pointOnTriangle(vec3 p0, vec3 p1, vec3 p2, vec3 normal, T
     return s;
 }
 
-// A unit direction without what runs against n, unit again. Not for d near -n.
+// Unit direction d without its part against n, normalised again. Not for d near -n.
 SHARED_FN vec3 onSideOf(vec3 d, vec3 n) {
     float along = dot3(d, n);
     return chosen(along < 0.0f, unitLength(d - n * along), d);
 }
 
-// The normal that mirrors and bends rays at a mesh (light sees the interpolated one). It is the interpolated one unless that sends the mirrored ray
-// into the polygon. Then the mirrored ray runs along the polygon, and the normal stands half-way: both are the same where the one rule ends and the
-// other begins. What faces away from the ray lets it go straight on. Both given normals are turned with the ray's side of the polygon.
-// Below kLeastLean the projection onto the polygon could vanish. Below 2^-18 of a half-way vector its direction is rounding; the mirrored ray of
-// the geometric normal differs by less than twice that.
+// Normal that mirrors and bends rays at a mesh (light takes the interpolated one). It is the interpolated normal unless that sends the
+// mirrored ray into the polygon. Then the mirrored ray runs along the polygon, and the normal stands half-way: both rules agree where one
+// ends and the other begins. A ray that an interpolated normal faces away from goes straight on. Both given normals are turned with the
+// ray's side of the polygon.
+// Below kLeastLean the projection onto the polygon could vanish. Below 2^-18 of a half-way vector its direction is rounding; the mirrored
+// ray of the geometric normal differs by less than twice that.
 SHARED_CONST float kLeastLean = 0.0625f;
 SHARED_FN vec3 normalForRays(vec3 d, vec3 geometric, vec3 smooth_) {
     float cosine = -dot3(d, smooth_);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Contract of --trade light-vector=face and light-vector=vertex: where the directions to the eye and to each lamp at a place are made, in place of every
-// pixel. A face: once, at its centre. A vertex: at the corners of what is drawn (clipped ones too, all as they were snapped), and interpolated with the
-// pixel's perspective shares. They are not made unit again: between corners they are shorter, the highlight's 1 - R.V is |R - V|^2 / 2 of the vectors as
-// they are. Attenuation goes with its direction. A lamp without a place has its one direction, a distant viewer too.
+// Contract of --trade light-vector=face and light-vector=vertex: the directions to the eye and to each point light are made once a face or
+// vertex instead of once a pixel. face: at the centre of the face. vertex: at the corners of what is drawn (clipped ones too, all as they
+// were snapped), and interpolated with the pixel's perspective shares.
+// Interpolated directions are not normalised again. Between corners they are shorter; the highlight's 1 - R.V is |R - V|^2 / 2 of the
+// vectors as they are. Attenuation is interpolated with its direction. A distant light has its one direction everywhere, a distant viewer
+// too.
 #ifndef PLUMB_VECTORS_H
 #define PLUMB_VECTORS_H
 #include "fill.h"
@@ -14,10 +16,10 @@ SHARED_CONST uint kVectorsFace = 1u;
 SHARED_CONST uint kVectorsVertex = 2u;
 
 struct Place {
-    Real x, y, z;  // relative to the eye
+    Real x, y, z;  // position relative to the eye, world axes
 };
 
-// A corner of a drawn triangle: sub-pixels, n/w; rays as in FillPush.
+// Position of a corner of a drawn triangle: sub-pixels, n/w; rays as in FillPush.
 SHARED_FN Place placeOfCorner(Int x, Int y, Real z, float near, vec3 rayOrigin, vec3 rayX, vec3 rayY) {
     Real px = toReal(x) * 0.00390625f;
     Real py = toReal(y) * 0.00390625f;
@@ -39,14 +41,15 @@ SHARED_FN Toward eyeFrom(Place p) {
     return t;
 }
 
-// Nearer than 2^-50 or, with 1 / d, 2^-100 there is no telling from where a lamp shines: it does not, and what is interpolated stays finite.
+// Direction to a point light. Nearer than 2^-50 or, with 1 / d, 2^-100 the direction is undefined: such a light does not shine, and
+// interpolated values stay finite.
 SHARED_FN Toward lampFrom(vec4 place, float attenuation, Place p) {
     Toward t = towardLight(place, attenuation, true, p.x, p.y, p.z);
     t.fade = pick(gt(real(1.2676506e30f), t.fade), t.fade, real(0.0f));
     return t;
 }
 
-// The share of each corner in a pixel, sum 1: edge values and weights of the corners as in weigh().
+// Shares of the corners in a pixel, sum 1: edge values and weights of the corners as in weigh().
 struct Shares {
     Real s0, s1, s2;
 };
