@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Errors. One exception type knows the exit code of the command. It is thrown where the fault is found and caught in main (and in the few
-// places that docs/decisions.md lists).
+// Errors. One exception type knows the exit code of the command. It is thrown where the fault is found and caught in main, and in the
+// few kinds of places that decision 114 lists.
 #pragma once
 
 #include <cstdio>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Shading and writing of a block of 4 x 4 pixels, by rows, once it is known what each pixel shows (fill.comp).
 // Rows are unrolled where lights are constants, or none are needed; otherwise they go through one loop, each as a copy, because what the driver
-// makes of four loops over lights in one kernel is slower to make and to run (docs/decisions.md).
+// makes of four loops over lights in one kernel is slower to make and to run (decision 71).
 
 const int kCopy = 4;  // the row that a loop works on
 Colour unlit[5];

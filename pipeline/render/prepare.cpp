@@ -27,7 +27,7 @@ namespace plumb {
 
 namespace {
 
-// From here on a kernel with its lights unrolled pays for the time that it takes to make (docs/decisions.md).
+// From here on a kernel with its lights unrolled pays for the time that it takes to make (decision 71).
 constexpr uint64_t kPixelsWorthUnrolling = uint64_t(1) << 23;
 
 struct Pinhole {

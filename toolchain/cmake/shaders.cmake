@@ -2,7 +2,7 @@
 # plumb_shader(TARGET stem [VARIANT suffix] [DEFINES -DX ...] [FOLDER shaders]): FOLDER/<stem>.comp -> SPIR-V (glslang,
 # dependency file) -> functions inlined and variables made values (spirv-opt) -> every float operation decorated NoContraction and embedded by plumb_spirv_embed: declared in
 # <spirv/<stem><suffix>.h>, defined in a source of TARGET. Who links TARGET finds both; TARGET may be an INTERFACE library.
-# Drivers do the same at every start, on the sides of branches too that constants rule out later: docs/decisions.md. None of these passes evaluates, moves
+# Drivers do the same at every start, on the sides of branches too that constants rule out later (decisions 72 and 69). None of these passes evaluates, moves
 # or joins an operation on floats, and NoContraction is set after them.
 set(PLUMB_SPIRV_PASSES --inline-entry-points-exhaustive --eliminate-dead-functions --private-to-local --scalar-replacement=0
     --eliminate-local-single-block --eliminate-local-single-store --eliminate-dead-code-aggressive --preserve-bindings --preserve-spec-constants)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The device's side of a frame, step by step. Each step submits and waits; between steps the host adds up counts and completes lists,
-// so nothing can overflow (docs/decisions.md). verify puts the twin's output between the steps.
+// so no list loses an entry (decision 5). verify puts the twin's output between the steps.
 #pragma once
 
 #include "pipeline/passes/bin.h"
