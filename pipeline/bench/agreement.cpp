@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Edges are projected in binary64 from the unrounded object space, so that neither side's own rounding is the judge.
+// Agreement of two pictures. Edges are projected in binary64 from the unrounded object space, so that neither side's own rounding is the
+// judge.
 #include "pipeline/bench/agreement.h"
 
 #include <fmt/core.h>
@@ -16,7 +17,7 @@ namespace {
 
 struct Pixel {
     glm::dvec2 centre;
-    double nearest = std::numeric_limits<double>::infinity();  // edge, pixels
+    double nearest = std::numeric_limits<double>::infinity();  // distance of the nearest edge, pixels
 };
 
 double distanceToSegment(const glm::dvec2& p, const glm::dvec2& a, const glm::dvec2& b) {
@@ -26,7 +27,7 @@ double distanceToSegment(const glm::dvec2& p, const glm::dvec2& a, const glm::dv
     return glm::length(p - (a + t * along));
 }
 
-// Corners (x, y in pixels times w, w), cut at the near plane, as pixels of the frame.
+// Polygon of the corners (x, y in pixels times w, w), cut at the near plane, as pixels of the frame.
 void project(const glm::dvec3 (&corners)[3], const gpu::Viewport& v, std::vector<glm::dvec2>& polygon) {
     polygon.clear();
     const auto put = [&](const glm::dvec3& c) { polygon.emplace_back(c.x / c.z + double(v.centreX), c.y / c.z + double(v.centreY)); };
@@ -69,7 +70,7 @@ void findNearestEdges(const DrawList& list, std::vector<Pixel>& pixels) {
 
 Agreement agreementOf(const DrawList& list, uint32_t width, uint32_t height, std::span<const uint32_t> passes, uint32_t pitch,
                       std::span<const uint32_t> baseline) {
-    // More than a few rows of pixels: the pictures show different things, and the search for edges would take for ever.
+    // Most differing pixels. With more than a few rows the pictures show different things, and the search for edges would take very long.
     constexpr uint64_t kMostPixels = 4096;
     Agreement a;
     a.pixels = uint64_t(width) * height;

@@ -9,7 +9,7 @@
 
 namespace plumb {
 
-// `passes` has `pitch` pixels a row, `baseline` none to spare; alpha 0 is "not drawn".
+// Agreement of two pictures. `passes` has `pitch` pixels a row, `baseline` has no padding; alpha 0 is "not drawn".
 Agreement agreementOf(const DrawList& list, uint32_t width, uint32_t height, std::span<const uint32_t> passes, uint32_t pitch,
                       std::span<const uint32_t> baseline);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Phong's illumination in the words of the API: pow, normalize, native division. Lights are constants of the pipeline.
+// Phong's illumination with the API's functions: pow, normalize, native division. Lights are constants of the pipeline.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 layout(location = 0) in vec3 normalIn;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The scene as an application would hand it to a graphics pipeline: one composite matrix, per-pixel Phong (baseline.frag).
+// The scene as an application would give it to a graphics pipeline: one composite matrix, per-pixel Phong (baseline.frag).
 #version 450
 #extension GL_GOOGLE_include_directive : require
 layout(location = 0) in vec3 position;  // object space

@@ -28,7 +28,7 @@ RenderRequest requestOf(Shading shading, const ClaimOptions& options) {
     return request;
 }
 
-// P6, section 13: the fill is the expensive step.
+// Claim P6, section 13: the fill is the expensive step.
 ClaimTable fillingIsExpensive(Device& device, const Scene& scene, const ClaimOptions& options) {
     ClaimTable table{"P6",
                      "Filling polygons is the expensive step: it is done a pixel, the steps before it a vertex or a polygon.",
@@ -56,7 +56,7 @@ ClaimTable fillingIsExpensive(Device& device, const Scene& scene, const ClaimOpt
     return table;
 }
 
-// Of triangles, each once; generated meshes have no list of their own.
+// Edges of the triangles, each once, because generated meshes have no list of edges.
 std::vector<std::pair<uint32_t, uint32_t>> edgesOf(const TriangleMesh& mesh) {
     std::vector<std::pair<uint32_t, uint32_t>> edges;
     for (const TriangleMesh::Triangle& t : mesh.triangles)
@@ -66,7 +66,7 @@ std::vector<std::pair<uint32_t, uint32_t>> edgesOf(const TriangleMesh& mesh) {
     return edges;
 }
 
-// P7, section 3: lines stay lines, so two projections draw an edge.
+// Claim P7, section 3: lines stay lines, so two projections draw an edge.
 class EdgePainter {
 public:
     EdgePainter(const Scene& scene, const ClaimOptions& options)
@@ -105,7 +105,7 @@ public:
             const glm::dvec3 step = (e[1] - e[0]) / double(steps);
             for (int i = 0; i <= steps; ++i, p += step) paint(project(p));
         }
-        projections_ -= 2 * edges_.size();  // those that found how many points an edge has
+        projections_ -= 2 * edges_.size();  // less the projections that found how many points an edge has
     }
     uint64_t edges() const { return edges_.size(); }
     uint64_t projections() const { return projections_; }
@@ -156,7 +156,7 @@ ClaimTable linesStayLines(const Scene& scene, const ClaimOptions& options) {
     return table;
 }
 
-// P8, section 12: of a closed convex object about half of the polygons look away.
+// Claim P8, section 12: of a closed convex object about half of the polygons face away.
 ClaimTable cullingIsCheap(Device& device, const Scene& scene, const ClaimOptions& options) {
     ClaimTable table{"P8",
                      "Culling is a cheap first step: about half of the polygons of a closed convex object are left out "
@@ -185,7 +185,7 @@ ClaimTable cullingIsCheap(Device& device, const Scene& scene, const ClaimOptions
     return table;
 }
 
-// P9, section 17: one illumination a polygon, a vertex, a visible pixel.
+// Claim P9, section 17: one illumination a polygon, a vertex, a visible pixel.
 ClaimTable shadingCosts(Device& device, const Scene& scene, const ClaimOptions& options) {
     ClaimTable table{"P9",
                      "Flat shading illuminates each polygon once, Gouraud each vertex, Phong each visible pixel; cost "
@@ -216,7 +216,7 @@ ClaimTable shadingCosts(Device& device, const Scene& scene, const ClaimOptions& 
 
 }  // namespace
 
-// Every way once a round, a different one first each time: who comes second finds the caches of the other.
+// Runs every way once a round, a different one first each time, because the second way finds the caches of the first.
 void takeTurns(ClaimTable& table, const std::vector<std::function<void()>>& works, const ClaimOptions& options) {
     PLUMB_ASSERT(works.size() == table.ways.size() && options.rounds >= 3);
     std::vector<std::vector<double>> ms(works.size());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The performance claims P1 to P4 and P6 to P9 of the lecture notes as tables: what is counted, and what it costs on a device here. Ways of a table take turns.
+// Performance claims P1 to P4 and P6 to P9 of the lecture notes as tables: counts, and times on a device here. The ways of a table take
+// turns.
 #pragma once
 
 #include "pipeline/bench/statistics.h"
@@ -17,13 +18,13 @@ struct ClaimWay {
     std::string name;
     std::vector<std::pair<std::string, uint64_t>> counts;
     Spread ms;
-    Spread ratio;  // of each round, this way / the first; 1 for the first
+    Spread ratio;  // this way / the first way, of each round; 1 for the first
 };
 
 struct ClaimTable {
     std::string claim;     // "P6"
     std::string says;      // the claim, in one sentence
-    std::string measured;  // what and how, in one sentence
+    std::string measured;  // what was measured and how, in one sentence
     std::vector<ClaimWay> ways;
     std::string failure;  // a count that contradicts the claim; empty: none. Times are reported, never judged
 };
@@ -38,9 +39,9 @@ struct ClaimOptions {
 // Runs the ways of a table in turn, a different one first each round, and fills in their times and ratios.
 void takeTurns(ClaimTable& table, const std::vector<std::function<void()>>& works, const ClaimOptions& options);
 
-// P1 to P4, on points of their own.
+// Tables of P1 to P4, on points of their own.
 std::vector<ClaimTable> benchTransformClaims(Device& device, const ClaimOptions& options);
-// P6 to P9. `scene` is complete (camera, lights) and holds one closed convex mesh, which P8 is about.
+// Tables of P6 to P9. `scene` is complete (camera, lights) and holds one closed convex mesh, which P8 is about.
 std::vector<ClaimTable> benchClaims(Device& device, const Scene& scene, const ClaimOptions& options);
 
 }  // namespace plumb

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// P1 to P4: what transforming costs. Counters are those of pipeline/transform/chain.h, which count where the work is done.
+// Claims P1 to P4: the cost of transforming. The counters are those of pipeline/transform/chain.h, which count where the work is done.
 #include "pipeline/bench/claims.h"
 #include "pipeline/bench/products.h"
 #include "pipeline/transform/steps.h"
@@ -23,10 +23,10 @@ namespace plumb {
 
 namespace {
 
-// Seven applications, or one of a composite: each coordinate passes at most 14 rounded sums of four products, whose magnitudes the steps (rotations and
-// shifts) keep below the largest met on the way; four roundings a sum.
+// Roundings between two ways to the same point, seven applications or one of a composite. Each coordinate passes at most 14 rounded sums of
+// four products, four roundings a sum. The steps (rotations and shifts) keep their magnitudes below the largest one on the way.
 constexpr double kRoundings = 2 * 14 * 4;
-constexpr uint32_t kRepeats = 1000;  // of what takes microseconds
+constexpr uint32_t kRepeats = 1000;  // repeats of work that takes microseconds
 
 std::vector<glm::dvec3> pointsOf(size_t count) {
     std::vector<glm::dvec3> points(count);
@@ -48,7 +48,7 @@ double largestDifference(std::span<const glm::dvec3> a, std::span<const glm::dve
     return most;
 }
 
-// Largest magnitude that a point meets on its way through the steps.
+// Largest magnitude that a point reaches on its way through the steps.
 double largestOf(std::span<const Step3> chain, std::vector<glm::dvec3> points) {
     double most = 0;
     ChainCounters ignored;
@@ -65,7 +65,7 @@ gpu::Rows rowsOf(const glm::dmat4& m) {
     return {t[0], t[1], t[2], t[3]};
 }
 
-// P1, section 10.1: every coordinate of every vertex is an equation of its own.
+// Claim P1, section 10.1: every coordinate of every vertex is an equation of its own.
 ClaimTable equationsAreIndependent(Device& device, const ClaimOptions& options) {
     constexpr uint32_t kVertices = 1000000, kNotesVertices = 1000;
     ClaimTable table{"P1",
@@ -107,7 +107,7 @@ ClaimTable equationsAreIndependent(Device& device, const ClaimOptions& options) 
     return table;
 }
 
-// P2 and P3: `chain` step by step, or its composite once.
+// Claims P2 and P3: `chain` step by step, or its composite once.
 ClaimTable compositeIsCheaper(ClaimTable table, const std::vector<Step3>& chain, size_t vertices, uint32_t repeats,
                               const ClaimOptions& options) {
     const std::vector<glm::dvec3> start = pointsOf(vertices);
@@ -143,7 +143,7 @@ ClaimTable compositeIsCheaper(ClaimTable table, const std::vector<Step3>& chain,
     return table;
 }
 
-// P4, section 10.2.2: products of pairs do not wait for one another.
+// Claim P4, section 10.2.2: products of pairs do not wait for one another.
 ClaimTable treesAreShallow(const std::vector<Step3>& chain, const ClaimOptions& options) {
     ClaimTable table{"P4",
                      "The composite of seven matrices takes six products that wait for one another, or three levels of "

@@ -23,14 +23,14 @@ namespace plumb {
 namespace {
 
 constexpr uint32_t kMatrices = gpu::kMostMatrices;
-constexpr uint32_t kPerLane = 1024;  // of the tree: a shallow one, since each level is a dispatch
+constexpr uint32_t kPerLane = 1024;  // matrices an invocation of the tree; a shallow tree, since each level is a dispatch
 constexpr double kU = 0x1p-24;
 
 uint32_t threadsOf(const MatrixOptions& options) {
     return options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
 }
 
-// A rotation, so that no chain grows or fades, with a small shift.
+// Random rotation, so that no chain grows or fades, with a small shift.
 glm::dmat4 randomMotion(std::mt19937_64& random) {
     std::normal_distribution<double> normal;
     glm::dvec4 q(normal(random), normal(random), normal(random), normal(random));
@@ -51,14 +51,14 @@ gpu::Rows rowsOf(const glm::mat4& m) {
 }
 glm::mat4 matrixOf(const gpu::Rows& r) { return glm::transpose(glm::mat4(r.r0, r.r1, r.r2, r.r3)); }
 
-// The rows x, y and w of the more accurate transforms, of vertices within [-1, 1]; the third coordinate of a motion takes the place of w.
+// Rows x, y and w for the more accurate transforms, for vertices within [-1, 1]; the third coordinate of a motion stands for w.
 gpu::LongRecord longRecordOf(const glm::dmat4& m) {
     const int exponent = blockExponent(1);
     const glm::dmat4 rows = glm::transpose(m);
     return {longRow(rows[0], exponent), longRow(rows[1], exponent), longRow(rows[2], exponent), float(std::ldexp(1.0, -exponent))};
 }
 
-// One way to the result: `run` is timed, `error` is asked once after the last round.
+// Way to the result: `run` is timed, `error` is called once after the last round.
 struct Way {
     std::string name;
     std::function<void()> run;
@@ -69,7 +69,7 @@ struct Way {
 };
 using Kind = Way::Kind;
 
-// Every round runs every way and the bandwidth once.
+// Measures: every round runs every way and the bandwidth once.
 void measure(MatrixTable& table, std::vector<Way>& ways, const std::function<void()>& memory, double memoryBytes,
              const MatrixOptions& options) {
     std::vector<double> memoryMs, glmMs;
@@ -106,7 +106,7 @@ void measure(MatrixTable& table, std::vector<Way>& ways, const std::function<voi
     }
 }
 
-// Largest entry of the difference over the largest entry of the exact result, in u. Not a number stays one.
+// Largest entry of the difference over the largest entry of the exact result, in u. NaN stays NaN.
 template <class Got, class Exact>
 double errorOf(const Got& got, const Exact& exact, int entries) {
     double most = 0, largest = 0;
@@ -118,7 +118,7 @@ double errorOf(const Got& got, const Exact& exact, int entries) {
     return most / largest / kU;
 }
 
-// What results are held against: 64 bits of significand, so that binary64 rounded once has an error of its own.
+// Reference of the results: 64 bits of significand, so that binary64 rounded once has an error of its own.
 using LongMatrix = glm::mat<4, 4, long double>;
 
 double errorOfMatrix(const glm::mat4& got, const glm::dmat4& exact) { return errorOf(&got[0].x, &exact[0].x, 16); }
@@ -132,7 +132,7 @@ double errorOfVertices(std::span<const glm::vec4> got, std::span<const glm::dvec
     return most;
 }
 
-// Reads `from` and writes `to`, as large as what the ways read and write.
+// Copies `from` to `to`, as many bytes as the ways read and write.
 void copyAll(std::span<const glm::vec4> from, std::span<glm::vec4> to, uint32_t threads) {
     parallelBands(from.size(), 65536, threads,
                   [&](uint64_t begin, uint64_t end) { std::memcpy(&to[begin], &from[begin], (end - begin) * 16); });
@@ -155,7 +155,7 @@ MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& o
         all = exact[i] * all;
         longest = LongMatrix(exact[i]) * longest;
     }
-    // The composite of an application: multiplied in binary64, rounded once.
+    // Composite of an application: multiplied in binary64, rounded once.
     const glm::mat4 composite = rounded(all);
     const std::vector<gpu::Rows> one = {rowsOf(composite)};
 
@@ -189,7 +189,8 @@ MatrixTable benchVertices(Device& device, uint64_t count, const MatrixOptions& o
         ways.push_back({name, run, [&, run] { return run(), errorOfVertices(results, wanted); }, kind});
         ways.back().products = matrices * count, ways.back().steps = matrices;
     };
-    // The results of a way are the last ones in the array when it is asked: it runs once more, and `twinRuns` leaves the same bytes in `twin`.
+    // Adds a way on the device. It runs once more before its error is taken, so that its results stand in the array, and `twinRuns` leaves
+    // the same bytes in `twin`.
     const auto onDevice = [&](const std::string& name, Kind kind, const std::function<void()>& record, uint64_t matrices,
                               const std::function<void()>& twinRuns) {
         const auto run = [&, record] {
@@ -317,7 +318,7 @@ MatrixTable benchChain(Device& device, uint64_t count, const MatrixOptions& opti
         return from[0];
     };
     std::vector<Way> ways;
-    // A level multiplies runs of perLane matrices, all at once, each from left to right.
+    // Counts of a tree. A level multiplies runs of perLane matrices, all at once, each from left to right.
     const auto counted = [&](uint64_t perLane) {
         ways.back().products = count - 1;
         for (uint64_t n = count; n > 1; n = (n + perLane - 1) / perLane) ways.back().steps += std::min(perLane, n) - 1;

@@ -33,7 +33,7 @@ struct Maker {
         mesh.faceNormal.push_back(length > 0 ? area / length : glm::vec3(0, 0, 1));
         mesh.faceMaterial.push_back(0);
     }
-    // Quads between rows of `columns` + 1 vertices.
+    // Adds quads between rows of `columns` + 1 vertices.
     void grid(uint32_t rows, uint32_t columns) {
         for (uint32_t j = 0; j < rows; ++j)
             for (uint32_t i = 0; i < columns; ++i) {
@@ -52,7 +52,7 @@ struct Maker {
     }
 };
 
-// 4 rows^2 triangles. With `bumps` the radius swings by that much.
+// Sphere of 4 rows^2 triangles. `bumps`: amplitude by which the radius varies.
 TriangleMesh sphere(uint32_t rows, double bumps) {
     Maker maker;
     const uint32_t columns = 2 * rows;
@@ -71,7 +71,7 @@ glm::dvec3 knotCentre(double t) {
     return {r * std::cos(2 * t), r * std::sin(2 * t), 0.3 * std::sin(3 * t)};
 }
 
-// A tube about a trefoil knot: 16 around^2 triangles.
+// Tube about a trefoil knot: 16 around^2 triangles.
 TriangleMesh knot(uint32_t around) {
     Maker maker;
     const uint32_t along = 8 * around;
@@ -131,7 +131,7 @@ Scene sceneOf(TriangleMesh mesh, double distance, const std::string& name) {
     return scene;
 }
 
-// A sphere of 10^5 triangles under `count` lights from all around, directional and points in turn, no brighter than one light.
+// Sphere of 10^5 triangles under `count` lights from all around, directional and point lights in turn, together no brighter than one light.
 Scene lit(uint32_t count, const std::string& name) {
     Scene scene = sceneOf(sphere(uint32_t(std::lround(std::sqrt(1e5) / 2)), 0), 2.6, name);
     scene.lights.clear();
@@ -146,7 +146,7 @@ Scene lit(uint32_t count, const std::string& name) {
     return scene;
 }
 
-// The number behind `prefix`, such as 1e5; 0 when there is none.
+// Number behind `prefix` in a name, such as 1e5; 0 when there is none.
 double numberBehind(const std::string& name, const std::string& prefix) {
     if (!name.starts_with(prefix)) return 0;
     double number = 0;

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 #endif
 
-// Resolvers of clones run before a sanitizer is ready.
+// Function clones are not used under a sanitizer, because their resolvers run before it is ready.
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
 #define PLUMB_CLONES __attribute__((target_clones("avx512f", "arch=haswell", "default")))
 #else
@@ -23,7 +23,8 @@ using Sgemm = void (*)(int order, int transA, int transB, int m, int n, int k, f
 
 Sgemm openBlas() {
     static const Sgemm kFound = [] {
-        // Its threads would turn in a loop for some 30 ms after each call, on the processors of whatever is measured next; 2^4 is the least it takes.
+        // OpenBLAS's threads would spin for some 30 ms after each call, on the processors of the next measurement. 2^4 cycles is the least
+        // it accepts.
         ::setenv("OPENBLAS_THREAD_TIMEOUT", "4", 0);
         void* library = ::dlopen("libopenblas.so.0", RTLD_NOW | RTLD_LOCAL);
         return library ? reinterpret_cast<Sgemm>(::dlsym(library, "cblas_sgemm")) : nullptr;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The same products by libraries of others, as a user of theirs would call them. Compiled for the machine at hand by function clones
-// (AVX-512, AVX2 with FMA, baseline) where the compiler has them. Matrices are column-major here, as these libraries keep them.
+// Products by other libraries, called as their users would call them. Compiled for the machine at hand by function clones (AVX-512, AVX2
+// with FMA, baseline) where the compiler has them. Matrices are column-major here, as these libraries keep them.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@ void glmVertices(const glm::mat4& m, std::span<const glm::vec4> in, std::span<gl
 void glmVertices7(const glm::mat4 (&m)[7], std::span<const glm::vec4> in, std::span<glm::vec4> out);  // m[0] first
 glm::mat4 glmChain(std::span<const glm::mat4> chain);                                                 // chain[0] * chain[1] * ...
 
-// Empty `why`: usable. Eigen is there when its headers were found by the build, OpenBLAS when its library is found now.
+// Eigen can be used when `why` stays empty. Eigen is there when the build found its headers, OpenBLAS when its library is found now.
 bool hasEigen(std::string& why);
 void eigenVertices(const glm::mat4& m, std::span<const glm::vec4> in, std::span<glm::vec4> out);
 bool hasOpenBlas(std::string& why);
-void openBlasVertices(const glm::mat4& m, std::span<const glm::vec4> in, std::span<glm::vec4> out);  // by its own threads
+void openBlasVertices(const glm::mat4& m, std::span<const glm::vec4> in, std::span<glm::vec4> out);  // on OpenBLAS's own threads
 
-// Reads everything; the result only keeps the compiler from leaving it out.
+// Sum of all words. The result only keeps the compiler from leaving the reading out.
 uint64_t sumWords(std::span<const uint64_t> words);
 
 }  // namespace plumb::peers

@@ -17,20 +17,20 @@
 namespace plumb {
 namespace {
 
-// The most elements of `bytes` bytes and `texels` texels that one binding takes, a multiple of `unit`.
+// Most elements of `bytes` bytes and `texels` texels that one binding takes, a multiple of `unit`.
 uint64_t mostOfBinding(const DeviceLimits& limits, uint64_t bytes, uint64_t texels, uint64_t unit) {
     const uint64_t most = std::min(limits.storageRangeBytes / bytes, limits.texelElements / texels) / unit * unit;
     if (most == 0) throw renderError("a binding of the device is too small for the products");
     return most;
 }
 
-// A workgroup of many invocations is cheaper, but one that holds them all runs on one processor.
+// Invocations from which a large workgroup is used. A large one is cheaper, but one that holds all invocations runs on one processor.
 constexpr uint64_t kManyLanes = 4096;
 constexpr uint32_t kLargeGroup = 64, kSmallGroup = 8;
 
 struct VerticesKernel {
     const Module& narrow;
-    const Module& int64;  // the same with stores of 64 bits
+    const Module& int64;  // the same kernel with stores of 64 bits
     Specialization constants;
 };
 
@@ -108,7 +108,7 @@ void recordLongVertices(Recorder& recorder, const DeviceLimits& limits, Numbers 
 void recordChainLevel(Recorder& recorder, const DeviceLimits& limits, Level level, uint32_t perLane, uint64_t count,
                       const Buffer<gpu::Rows>& in, const Buffer<gpu::Rows>& out) {
     PLUMB_ASSERT(perLane >= 2 && perLane <= gpu::kMostPerLane);
-    // Both ends of a chunk must meet the alignment of a binding, at most 256 bytes: four products.
+    // Ends of a chunk must meet the alignment of a binding, at most 256 bytes: four products.
     const uint64_t most = count * sizeof(gpu::Rows) <= limits.storageRangeBytes && count * 4 <= limits.texelElements
                               ? count
                               : mostOfBinding(limits, sizeof(gpu::Rows), 4, uint64_t(perLane) * 4);

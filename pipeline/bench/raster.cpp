@@ -20,10 +20,10 @@
 namespace plumb {
 namespace {
 
-constexpr uint32_t kMostLights = 4;  // of baseline.frag
-constexpr uint32_t kWarmFrames = 3;  // of each side: shaders are compiled at the first, memory is touched by the second
+constexpr uint32_t kMostLights = 4;  // limit of baseline.frag
+constexpr uint32_t kWarmFrames = 3;  // warm-up frames of each side: the first compiles shaders, the second touches memory
 
-// As baseline.glsl has it.
+// Push constants of baseline.glsl.
 struct BaselinePush {
     glm::vec4 rowX, rowY, rowW, base, diffuse, specular, rayX;
     glm::vec3 rayY;
@@ -78,7 +78,7 @@ private:
         return setup;
     }
 
-    // One draw for each material of the object, triangles in the order of the file.
+    // Adds one draw for each material of the object, triangles in the order of the file.
     void addDraws(const DrawList& list, const DrawList::Range& r) {
         const gpu::ObjectRecord& o = list.objects[r.record];
         const float perX = 2.0f / float(list.frame.width), perY = 2.0f / float(list.frame.height);
@@ -123,7 +123,7 @@ RenderRequest requestOf(const RasterOptions& options) {
     return request;
 }
 
-// Medians of a few pictures drawn apart from the pairs: each pass waits for the one before, which costs time of its own.
+// Medians of a few pictures drawn apart from the pairs. Each pass waits for the pass before, which costs time of its own.
 std::vector<PassTime> medianPasses(ResidentScene& scene) {
     constexpr uint32_t kPictures = 9;
     std::vector<std::vector<PassTime>> pictures;
@@ -185,7 +185,7 @@ RasterRow benchRaster(Device& device, const Scene& scene, const std::string& nam
     std::vector<double> graphicsMs, computeMs;
     for (uint32_t i = 0; i < options.pairs; ++i) {
         if (options.onProgress) options.onProgress(double(i) / options.pairs);
-        // Who comes second finds the caches of the other: they take turns.
+        // Sides take turns in going first, because the second finds the caches of the first.
         if (i % 2 == 0) graphicsMs.push_back(msOf(drawGraphics));
         computeMs.push_back(msOf(drawCompute));
         if (i % 2 != 0) graphicsMs.push_back(msOf(drawGraphics));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What repeated measurements say: no mean, since a machine under load has outliers to one side only.
+// Statistics of repeated measurements: no mean, since a machine under load has outliers to one side only.
 #pragma once
 
 #include "host/error.h"
@@ -26,7 +26,7 @@ struct Spread {
     uint32_t count = 0;
 };
 
-// Quantiles by linear interpolation between order statistics.
+// Spread of values: quantiles by linear interpolation between order statistics.
 inline Spread spreadOf(std::vector<double> values) {
     PLUMB_ASSERT(!values.empty());
     std::sort(values.begin(), values.end());
@@ -39,7 +39,7 @@ inline Spread spreadOf(std::vector<double> values) {
     return {quantile(0.5), quantile(0.1), quantile(0.9), values.front(), uint32_t(values.size())};
 }
 
-// The quotients of pairs that were measured side by side: a drift of the machine cancels in each.
+// Spread of the quotients of pairs that were measured side by side: a drift of the machine cancels in each.
 inline Spread ratioOf(const std::vector<double>& numerators, const std::vector<double>& denominators) {
     PLUMB_ASSERT(numerators.size() == denominators.size());
     std::vector<double> quotients;

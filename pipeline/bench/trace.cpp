@@ -30,7 +30,7 @@ uint32_t addMaterial(Scene& scene, const glm::vec3& colour, float reflect) {
     return uint32_t(scene.materials.size() - 1);
 }
 
-// Mirrors over a board that mirrors a little, one lamp with feelers: `count` spheres in rows of five.
+// Scene of mirrors over a board that mirrors a little, one point light with shadow rays: `count` spheres in rows of five.
 Scene spheresOverBoard(uint32_t count) {
     Scene scene;
     scene.path = fmt::format("spheres{}", count);
@@ -65,7 +65,7 @@ Scene spheresOverBoard(uint32_t count) {
     return scene;
 }
 
-// Sides take turns in going first.
+// Measures pairs; the sides take turns in going first.
 void measurePairs(TraceRow& row, const TraceBenchOptions& options, const std::function<void()>& ours, const std::function<void()>& theirs) {
     ours();
     theirs();
@@ -164,7 +164,7 @@ std::vector<TraceRow> benchMesh(Device& device, const std::string& name, const T
         return {};
     }
     Scene scene = *benchScene("sphere" + name.substr(4), double(options.width) / options.height);
-    scene.lights.clear();  // primary rays alone
+    scene.lights.clear();  // primary rays only
     RenderRequest request = requestOf(scene, options);
     request.maxDepth = 1;
     const uint32_t threads = threadCount(options.threads);
@@ -184,7 +184,7 @@ std::vector<TraceRow> benchMesh(Device& device, const std::string& name, const T
         std::vector<uint32_t> theirs(size_t(options.width) * options.height);
         measurePairs(
             row, options, [&] { drawOrThrow(ours); }, [&] { embree.primaryRays(push, options.height, theirs, threads); });
-        // The mesh has a face a triangle, so their numbers are faces.
+        // Numbers of triangles are those of faces, because the mesh has one face a triangle.
         for (size_t i = 0; i < theirs.size(); ++i) row.differ += (theirs[i] == gpu::kNoObject ? kNone : theirs[i]) != seen.primitive[i];
         judge(row);
         countWork(row, ours);

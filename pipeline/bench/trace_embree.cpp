@@ -21,7 +21,7 @@ namespace plumb::peers {
 #ifdef PLUMB_EMBREE
 namespace {
 
-// Opened when a benchmark asks, so that the program needs no Embree to start.
+// Embree, opened when a benchmark needs it, so that the program starts without it.
 struct Embree {
     void* library = ::dlopen("libembree3.so.3", RTLD_NOW | RTLD_LOCAL);
     bool whole = library != nullptr;

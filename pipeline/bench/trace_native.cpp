@@ -9,7 +9,7 @@
 #include <glm/glm.hpp>
 #include <span>
 
-// Compiled for the machine at hand where the compiler can.
+// Function clones for the machine at hand, where the compiler has them.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PLUMB_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
@@ -21,7 +21,7 @@ namespace {
 
 using glm::vec3;
 
-constexpr float kOff = 1e-4f;  // a textbook's epsilon, times the distance
+constexpr float kOff = 1e-4f;  // a textbook's epsilon, in shares of the distance
 
 struct Hit {
     float t;

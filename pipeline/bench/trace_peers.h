@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whom the device's rays are measured against.
+// Other tracers for comparison with the device's rays.
 #pragma once
 
 #include "pipeline/passes/trace.h"
@@ -11,25 +11,25 @@
 
 namespace plumb::peers {
 
-// The pass as one would write it for a processor: the textbook's quadratic, powf, no counters, no list, no bounds; rows on `threads` threads.
-// Spheres, boards, reflection, feelers to opaque blockers, linear encoding; RGBA, alpha 255 where something is hit.
+// The pass as one would write it for a processor: the textbook's quadratic, powf, no counters, no list, no bounds; rows on `threads`
+// threads. Spheres, boards, reflection, shadow rays to opaque blockers, linear encoding; RGBA, alpha 255 where something is hit.
 void traceNative(const gpu::TracePush& push, const TraceScene& scene, uint32_t height, std::span<uint32_t> rgba, uint32_t threads);
 
-// A mesh in Embree's own tree.
+// Mesh in Embree's own BVH.
 class EmbreeScene {
 public:
     EmbreeScene(const TraceScene& scene, bool robust);
     ~EmbreeScene();
     EmbreeScene(const EmbreeScene&) = delete;
     EmbreeScene& operator=(const EmbreeScene&) = delete;
-    // rtcIntersect1 for each primary ray: the triangle's number, gpu::kNoObject for none.
+    // Traces each primary ray by rtcIntersect1: the triangle's number, gpu::kNoObject for none.
     void primaryRays(const gpu::TracePush& push, uint32_t height, std::span<uint32_t> triangle, uint32_t threads) const;
 
 private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
-// Empty `why`: the build found Embree 3.
+// Embree can be used when `why` stays empty: the build found Embree 3.
 bool hasEmbree(std::string& why);
 
 }  // namespace plumb::peers

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Layers of two files in one form, and colours as they are seen.
+// Layers of two files in a common form, and colours as a display shows them.
 #include "pipeline/compare/metrics.h"
 
 #include <fmt/core.h>
@@ -13,7 +13,7 @@
 namespace plumb {
 namespace {
 
-// Grey to R G B, and an opaque alpha.
+// Expands grey to R G B, and adds an opaque alpha.
 void expand(Layer& layer, bool rgb, bool alpha) {
     const uint32_t from = layer.channels - (layer.alpha ? 1 : 0), shown = rgb ? 3 : from, to = shown + (alpha ? 1 : 0);
     if (to == layer.channels && shown == from) return;
@@ -45,7 +45,7 @@ bool bringTogether(Layer& a, Layer& b, std::string& why) {
     }
     if (a.colour) {
         const bool rgb = std::max(a.channels - (a.alpha ? 1u : 0u), b.channels - (b.alpha ? 1u : 0u)) > 1, alpha = a.alpha || b.alpha;
-        const bool associated = a.associated || b.associated;  // an opaque alpha is both
+        const bool associated = a.associated || b.associated;  // an opaque alpha counts as both
         for (Layer* layer : {&a, &b}) {
             expand(*layer, rgb, alpha);
             layer->associated = associated;
@@ -70,7 +70,7 @@ Seen seen(const Layer& layer, uint32_t width, uint32_t height, double ground) {
     const size_t pixels = size_t(width) * height;
     for (auto* plane : {&out.red, &out.green, &out.blue}) plane->reserve(pixels);
     const uint32_t shown = layer.channels - (layer.alpha ? 1 : 0);
-    std::vector<double> table;  // of codes, since pow is slow
+    std::vector<double> table;  // linear value of each code, since pow is slow
     if (layer.kind == LayerKind::code && !layer.linear)
         for (int code = 0; code <= int(layer.fullScale); ++code) table.push_back(linearFromSrgb(code / layer.fullScale));
     const auto light = [&](double s) { return !table.empty() ? table[size_t(s)] : s / layer.fullScale; };

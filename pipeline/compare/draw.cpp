@@ -21,7 +21,7 @@ uint32_t packed(const std::array<double, 3>& rgb) {
     return pixel;
 }
 
-// Eleven points of matplotlib's "magma" (CC0), which grows evenly in lightness; straight lines between them.
+// Colour of the heat map: eleven points of matplotlib's "magma" (CC0), which grows evenly in lightness; straight lines between them.
 uint32_t heat(double t) {
     constexpr std::array<std::array<uint8_t, 3>, 11> kPoints = {{{0, 0, 4},
                                                                  {20, 14, 54},
@@ -66,7 +66,7 @@ DifferencePicture drawDifference(const Picture& a, const Picture& b, const Layer
     Layer p = layerOf(a, layer.name), q = layerOf(b, layer.name);
     std::string why;
     PLUMB_ASSERT(bringTogether(p, q, why));
-    // Where the search found a match there is nothing to show.
+    // Difference of a channel; 0 where the search found a match.
     const auto apart = [&](size_t i, uint32_t c) {
         const double d = p.samples[i * p.channels + c], e = q.samples[i * p.channels + c];
         return d == e || layer.error[i] == 0 ? 0.0 : std::fabs(d - e) / p.fullScale;

@@ -9,18 +9,18 @@
 
 namespace plumb {
 
-// |A - B| of each channel times 2^exponent, the largest power of two that keeps every finite difference below 256/255 of full scale; a layer of one
-// channel is grey. Ids: white where they differ. Alpha: where only it differs, grey.
+// Picture of |A - B| of each channel times 2^exponent, the largest power of two that keeps every finite difference below 256/255 of full
+// scale. A layer of one channel is grey. Ids: white where they differ. Pixels that differ only in alpha: grey.
 struct DifferencePicture {
     Frame frame;
     int exponent = 0;
 };
 DifferencePicture drawDifference(const Picture& a, const Picture& b, const LayerDifference&);
 
-// How much of the range a pixel uses, dark to bright: FLIP's error (0 to 1) for colour, else error over the largest finite error.
+// Picture of the error, dark to bright: FLIP's error (0 to 1) for colour, else error over the largest finite error.
 struct HeatPicture {
     Frame frame;
-    double brightest = 1;  // what the top of the scale stands for
+    double brightest = 1;  // error at the top of the scale
     bool flip = false;
 };
 HeatPicture drawHeat(const LayerDifference&, uint32_t width, uint32_t height);

@@ -18,7 +18,7 @@ constexpr double kPi = std::numbers::pi;
 
 using Triple = std::array<double, 3>;
 
-// Linear sRGB to XYZ as the paper has it, and its inverse; the white is the image of (1, 1, 1).
+// Matrix from linear sRGB to XYZ as the paper has it, and its inverse; the white is the image of (1, 1, 1).
 constexpr double kXyzFromRgb[3][3] = {{10135552.0 / 24577794, 8788810.0 / 24577794, 4435075.0 / 24577794},
                                       {2613072.0 / 12288897, 8788810.0 / 12288897, 887015.0 / 12288897},
                                       {1425312.0 / 73733382, 8788810.0 / 73733382, 70074185.0 / 73733382}};
@@ -44,7 +44,7 @@ Triple times(const double (&m)[3][3], const Triple& v) {
 }
 Triple white() { return times(kXyzFromRgb, {1, 1, 1}); }
 
-// 4.1: the linearised Lab (Y, Cx, Cz) in which contrast sensitivity is modelled.
+// Linearised Lab (Y, Cx, Cz), in which contrast sensitivity is modelled (4.1).
 Triple opponentOf(const Triple& rgb) {
     const Triple xyz = times(kXyzFromRgb, rgb), w = white();
     const double x = xyz[0] / w[0], y = xyz[1] / w[1], z = xyz[2] / w[2];
@@ -56,7 +56,7 @@ Triple rgbFromOpponent(const Triple& o) {
     return times(kRgbFromXyz.m, {(o[1] / 500 + y) * w[0], y * w[1], (y - o[2] / 200) * w[2]});
 }
 
-// 4.2: L*a*b*, and the Hunt effect: chroma counts in proportion to lightness.
+// L*a*b* with the Hunt effect: chroma counts in proportion to lightness (4.2).
 Triple huntLab(const Triple& rgb) {
     const Triple xyz = times(kXyzFromRgb, rgb), w = white();
     const auto f = [](double t) {
@@ -68,7 +68,7 @@ Triple huntLab(const Triple& rgb) {
 }
 double hyAb(const Triple& p, const Triple& q) { return std::fabs(p[0] - q[0]) + std::hypot(p[1] - q[1], p[2] - q[2]); }
 
-// 4.2: exponent, and the part of the range up to which differences are spread over the first 0.95.
+// Exponent, and the part of the range up to which differences are spread over the first 0.95 (4.2).
 constexpr double kQc = 0.7, kPc = 0.4, kPt = 0.95;
 double redistributed(double difference) {
     static const double kMost = std::pow(hyAb(huntLab({0, 1, 0}), huntLab({0, 0, 1})), kQc);  // green against blue
@@ -77,11 +77,11 @@ double redistributed(double difference) {
 }
 
 struct Filters {
-    int radius = 0;  // of the contrast filters, in pixels
+    int radius = 0;  // radius of the contrast filters, in pixels
     std::vector<double> achromatic, redGreen, blueYellow[2];
     double blueYellowWeight[2] = {};  // the two Gaussians of blue-yellow: a sum of two separable filters
     int featureRadius = 0;
-    std::vector<double> smooth, edge, point;  // 4.3: a Gaussian and its normalised derivatives
+    std::vector<double> smooth, edge, point;  // a Gaussian and its normalised derivatives (4.3)
 };
 
 std::vector<double> gaussian(int radius, double falloff) {  // exp(-falloff x^2), sum 1
@@ -96,7 +96,7 @@ double sumOf(int radius, double falloff) {
     for (int x = -radius; x <= radius; ++x) sum += std::exp(-falloff * x * x);
     return sum;
 }
-// Positive and negative weights each sum to 1.
+// Normalises weights so that the positive and the negative ones each sum to 1.
 void normaliseSigns(std::vector<double>& weights) {
     double positive = 0, negative = 0;
     for (const double w : weights) (w > 0 ? positive : negative) += std::fabs(w);
@@ -104,7 +104,7 @@ void normaliseSigns(std::vector<double>& weights) {
 }
 
 Filters filtersFor(double pixelsPerDegree) {
-    // 4.1, table 1: E(x) = a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees; the blue-yellow one is a sum of two.
+    // Contrast filters (4.1, table 1): E(x) = a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees; the blue-yellow one is a sum of two.
     constexpr double kAchromatic = 0.0047, kRedGreen = 0.0053, kBlueYellow[2] = {0.04, 0.025}, kAmount[2] = {34.1, 13.5};
     Filters f;
     f.radius = int(std::ceil(3 * std::sqrt(kBlueYellow[0] / (2 * kPi * kPi)) * pixelsPerDegree));
@@ -139,7 +139,7 @@ struct Patch {
     std::vector<double> values;
 };
 
-// Along rows with `across`, then down columns with `down`; the result has the band's size.
+// Filters along rows with `across`, then down columns with `down`; the result has the band's size.
 std::vector<double> filtered(const Patch& patch, size_t margin, const std::vector<double>& across, const std::vector<double>& down) {
     const size_t reach = across.size() / 2, bandWidth = patch.width - 2 * margin, bandHeight = patch.height - 2 * margin;
     std::vector<double> rows(patch.height * bandWidth);
@@ -217,7 +217,7 @@ Perceived flipOf(const Seen& a, const Seen& b, const CompareOptions& options, st
     const auto margin = uint32_t(std::max(filters.radius, filters.featureRadius));
     map.assign(size_t(a.width) * a.height, 0);
     std::vector<Perceived> ofRow(a.height);
-    // A band of twice the margin filters each row twice at most; a thread holds two of them.
+    // Bands of twice the margin: each row is filtered twice at most, and a thread holds two bands.
     parallelBands(a.height, 2 * margin, threadCount(options.threads), [&](uint64_t begin, uint64_t end) {
         for (auto first = uint32_t(begin); first < end; first += 2 * margin) {
             if (options.onStep) options.onStep();

@@ -51,7 +51,7 @@ std::string_view trimmed(std::string_view text) {
     return text;
 }
 
-// decimal ["/" decimal], finite, not below 0.
+// Value of decimal ["/" decimal], finite, not below 0.
 std::optional<double> numberOf(std::string_view text) {
     const auto decimal = [](std::string_view word) -> std::optional<double> {
         double value = 0;
@@ -198,7 +198,7 @@ std::vector<GateResult> judge(const std::vector<Gate>& gates, const Comparison& 
             const bool held = within && !(gate.strict && m->value == gate.limit);
             results.push_back({&gate, layer.name, m->value, held, m->at});
         }
-        // A plane that one side lacks is a difference, which is said elsewhere.
+        // True when one side lacks the plane. That is a difference, which is reported elsewhere.
         const auto lacks = [&](const std::vector<std::string>& names) {
             return std::find(names.begin(), names.end(), gate.layer) != names.end();
         };

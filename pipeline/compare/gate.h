@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a comparison must not exceed.
+// Gates: limits that a comparison must not exceed.
 //
 //     gate   = [plane "."] metric ("<=" | "<" | ">=" | ">") value
 //     metric = max | mean | rmse | psnr | ssim | flip | flip_max | deltae | deltae_max | ulp | differing | region | nan | over(number)
@@ -24,7 +24,7 @@ struct Gate {
     std::string text;   // as written
     std::string layer;  // empty: every plane that has the metric
     Metric metric = Metric::max;
-    double level = 0;     // of over
+    double level = 0;     // number of over(number)
     bool larger = false;  // ">=" or ">"
     bool strict = false;  // "<" or ">"
     double limit = 0;     // a share of the pixels when `share`
@@ -39,11 +39,11 @@ struct GateResult {
     std::optional<Place> at;  // the worst pixel
 };
 
-// Throws Error(usage): one line with what is wrong and what is accepted.
+// Parses a gate. Throws Error(usage): one line with what is wrong and what is accepted.
 Gate parseGate(const std::string& text);
-// One result a layer that the gate is on. Throws Error(usage) when there is none.
+// Results of the gates, one for each layer that a gate is on. Throws Error(usage) when there is no such layer.
 std::vector<GateResult> judge(const std::vector<Gate>&, const Comparison&);
-// A NaN that no gate on "nan" speaks about fails whatever the other gates say.
+// True when a gate on "nan" covers the layer. A NaN that no such gate covers fails, whatever the other gates say.
 bool nanIsJudged(const std::vector<Gate>&, const std::string& layer);
 
 const char* nameOf(Metric);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What differs, by how much, and where.
+// Norms of the differences: how much, and where.
 #include "pipeline/compare/metrics.h"
 #include "pipeline/passes/parallel.h"
 
@@ -17,10 +17,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// In codes or in units of the layer; two equal infinities do not differ.
+// Difference of two samples, in codes or in units of the layer; two equal infinities do not differ.
 double apart(double a, double b) { return a == b ? 0 : std::fabs(a - b); }
 
-// The pixels of two layers; (x, y) of one against any of the other.
+// Pixels of two layers; (x, y) of one against any of the other.
 struct Pixels {
     const Layer& a;
     const Layer& b;
@@ -35,7 +35,7 @@ struct Pixels {
         }
         return most;
     }
-    // The pixel of `other` within `radius` of (x, y) that is nearest to p; the one at (x, y) itself on a tie, then the first.
+    // Pixel of `other` within `radius` of (x, y) that is nearest to p; on a tie the one at (x, y) itself, then the first.
     const double* nearest(const double* p, const Layer& other, uint32_t x, uint32_t y, uint32_t radius) const {
         const auto at = [&](uint32_t u, uint32_t v) { return other.samples.data() + (size_t(v) * width + u) * channels; };
         const double* best = at(x, y);
@@ -59,13 +59,13 @@ void note(NotANumber& found, const double* p, uint32_t channels, Place place) {
 
 template <class Float, class Bits>
 double steps(double a, double b) {
-    const auto ordered = [](double value) {  // the same order as the numbers, both zeros at 0
+    const auto ordered = [](double value) {  // integers in the order of the numbers, both zeros at 0
         const Bits bits = std::bit_cast<Bits>(Float(value));
         const Bits sign = Bits(1) << (sizeof(Bits) * 8 - 1);
         const auto magnitude = int64_t(bits & Bits(sign - 1));
         return (bits & sign) != 0 ? -magnitude : magnitude;
     };
-    // Up to 2^64 apart: as a double that is rounded only beyond 2^53.
+    // Distance of up to 2^64, as a double that is rounded only beyond 2^53.
     return std::fabs(double(ordered(a)) - double(ordered(b))) < 0x1p53 ? double(std::abs(ordered(a) - ordered(b)))
                                                                        : std::fabs(double(ordered(a)) - double(ordered(b)));
 }
@@ -134,7 +134,7 @@ void takeNorms(const Layer& a, const Layer& b, uint32_t width, uint32_t height, 
     const bool ids = a.kind == LayerKind::id;
     out.pixels = count;
     out.error.assign(count, 0);
-    // Which pixel of the other side stands for each, both ways: a thin line that one side lacks must match nothing.
+    // Partner of each pixel on the other side, both ways: a thin line that one side lacks must match nothing.
     std::vector<std::array<const double*, 2>> partner(count);
     parallelBands(height, 8, threadCount(options.threads), [&](uint64_t begin, uint64_t end) {
         if (options.onStep) options.onStep();
@@ -160,7 +160,7 @@ void takeNorms(const Layer& a, const Layer& b, uint32_t width, uint32_t height, 
             }
     });
     std::vector<uint8_t> differs(count);
-    // Sums in a fixed order, so that threads change no bit; rows first, so that they stay accurate.
+    // Sums are taken in a fixed order, so that threads change no bit; rows first, so that they stay accurate.
     double sum = 0, squares = 0, most = -1;
     for (uint32_t y = 0; y < height; ++y) {
         double rowSum = 0, rowSquares = 0;
@@ -203,7 +203,7 @@ void takeNorms(const Layer& a, const Layer& b, uint32_t width, uint32_t height, 
         out.over = {};
         return;
     }
-    if (out.compared == 0) return;  // nothing but NaN: there is no norm
+    if (out.compared == 0) return;  // all pixels have a NaN: there is no norm
     const double samples = double(out.compared) * channels;
     out.max = std::max(most, 0.0);
     out.mean = sum / samples;

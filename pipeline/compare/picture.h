@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A picture that somebody wrote, as numbers: what `plumb diff` compares. Row 0 on top.
+// Picture read from a file, as numbers, for `plumb diff`. Row 0 on top.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace plumb {
 
-// Samples of one picture, all layers together: 7680x4320 RGBA. A picture of that many takes 1 GiB as binary64.
+// Most samples of one picture, all layers together: 7680x4320 RGBA. As binary64 they take 1 GiB.
 inline constexpr uint64_t kMostSamples = uint64_t(1) << 27;
 inline constexpr uint32_t kLargestPictureSide = 65536;
-inline constexpr uint64_t kMostPictureBytes = uint64_t(1) << 31;  // of a file
-inline constexpr uint32_t kMostChannels = 64;                     // of one picture
+inline constexpr uint64_t kMostPictureBytes = uint64_t(1) << 31;  // largest file
+inline constexpr uint32_t kMostChannels = 64;                     // most channels of one picture
 
 enum class LayerKind {
     code,  // integers 0 to fullScale; a sample counts as code / fullScale
@@ -23,7 +23,7 @@ enum class LayerKind {
 };
 
 struct Layer {
-    std::string name;  // "color", "depth", "normal", "array", ... as in docs/outputs.md, else as the file says
+    std::string name;  // "color", "depth", "normal", "array", ... as in docs/outputs.md, else the name in the file
     LayerKind kind = LayerKind::real;
     bool colour = false;      // channels are grey or R G B, then alpha where there is one
     bool linear = false;      // colour: in proportion to light, else encoded with the sRGB curve
@@ -37,17 +37,18 @@ struct Layer {
 
 struct Picture {
     std::string path, format;  // format: "png", "exr" or "npy", by content
-    std::string sha256;        // of the file
+    std::string sha256;        // SHA-256 of the file
     uint32_t width = 0, height = 0;
-    int32_t left = 0, top = 0;  // where the data window of an EXR begins
+    int32_t left = 0, top = 0;  // first column and row of an EXR's data window
     std::vector<Layer> layers;  // not empty; names differ
 };
 
-// Reads a regular file. Refused with one line (Error(input)): unreadable or truncated files, foreign formats, more than the limits above,
-// and what has no meaning here (see the readers). No memory is taken for samples that the file does not have, but for one block of rows.
+// Reads a regular file. Refuses with one line (Error(input)): unreadable or truncated files, foreign formats, more than the limits above,
+// and contents without a meaning here (see the readers). No memory is taken for samples that the file does not have, but for one block of
+// rows.
 Picture readPicture(const std::filesystem::path&);
 
-// The readers, of the bytes of a file; `path` names it in refusals.
+// Readers of the bytes of a file; `path` names it in refusals.
 Picture readPngPicture(const std::filesystem::path& path,
                        const std::string& bytes);  // every PNG: 1 to 16 bits, grey, RGB, palette, alpha, interlaced
 Picture readExrPicture(const std::filesystem::path& path,
@@ -55,7 +56,7 @@ Picture readExrPicture(const std::filesystem::path& path,
 Picture readNpyPicture(const std::filesystem::path& path,
                        const std::string& bytes);  // (H, W) or (H, W, C); versions 1 to 3; not objects, not complex
 
-// "RGB, 8 bits", "3 channels, float32", "ids"
+// Layer in words: "RGB, 8 bits", "3 channels, float32", "ids".
 std::string describe(const Layer&);
 
 }  // namespace plumb

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// EXR through OpenEXR. The header is looked over here first: the library takes memory for what a header says.
+// EXR through OpenEXR. The header is checked here first, because the library takes memory for what a header says.
 #include "pipeline/compare/picture.h"
 #include "pipeline/scene/text.h"
 
@@ -24,9 +24,10 @@
 namespace plumb {
 namespace {
 
-constexpr int64_t kMostCoordinate = int64_t(1) << 24;    // of a data window
-constexpr uint64_t kRowsOfABlock = 256;                  // DWAB; the other compressions have fewer
-constexpr uint64_t kMostBlockBytes = uint64_t(1) << 28;  // of rows or of a tile; OpenEXR takes one block before it reads it
+constexpr int64_t kMostCoordinate = int64_t(1) << 24;  // limit of a data window
+constexpr uint64_t kRowsOfABlock = 256;                // rows of a DWAB block; the other compressions have fewer
+// limit of a block of rows or of a tile; OpenEXR takes memory for one block before it reads it
+constexpr uint64_t kMostBlockBytes = uint64_t(1) << 28;
 constexpr uint32_t kRowsAtOnce = 64;
 
 class MemoryStream : public Imf::IStream {
@@ -49,7 +50,7 @@ private:
     uint64_t at_ = 0;
 };
 
-// What the header says of sizes, found by walking over its attributes (OpenEXR file layout): name, type, size, value.
+// Sizes that the header states, found by walking over its attributes (OpenEXR file layout): name, type, size, value.
 class HeaderWalk {
 public:
     HeaderWalk(std::string_view bytes, const std::filesystem::path& path) : bytes_(bytes), path_(path) {}
@@ -136,8 +137,8 @@ struct Group {
 
 std::string nameOfDepth(const std::string& name) { return name == "Z" ? "depth" : name; }
 
-// Channels "layer.R", "layer.G", "layer.B" (and A) are one colour, X Y Z of a layer one vector; a bare R G B A is "color", Y is its grey.
-// Others stand alone. A group has one type.
+// Groups of channels. "layer.R", "layer.G", "layer.B" (and A) are one colour, X Y Z of a layer one vector; a bare R G B A is "color", Y is
+// its grey. Other channels are groups of one. A group has one type.
 std::vector<Group> groupsOf(const Imf::ChannelList& list) {
     std::map<std::string, std::map<std::string, Imf::PixelType>> layers;
     for (auto it = list.begin(); it != list.end(); ++it) {
@@ -173,7 +174,7 @@ std::vector<Group> groupsOf(const Imf::ChannelList& list) {
         for (const auto& [name, type] : channels) groups.push_back({nameOfDepth(prefix + name), {prefix + name}, false, false});
     }
     std::stable_partition(groups.begin(), groups.end(), [](const Group& g) { return g.name == "color"; });
-    for (size_t i = 0; i < groups.size(); ++i)  // a channel "color" or "depth" beside ours keeps its own name
+    for (size_t i = 0; i < groups.size(); ++i)  // a channel "color" or "depth" beside those names keeps its own name
         for (size_t j = 0; j < i; ++j)
             if (groups[i].name == groups[j].name) groups[i].name += "'";
     return groups;
@@ -185,7 +186,7 @@ void append(const std::vector<std::vector<T>>& rows, size_t pixels, std::vector<
         for (const std::vector<T>& channel : rows) samples.push_back(double(channel[i]));
 }
 
-// Rows [y0, y0 + count) of every group, which is as much as is read and kept at once.
+// Inserts rows [y0, y0 + count) of every group; only these are read and kept at once.
 template <class T>
 void insert(Imf::FrameBuffer& buffer, Imf::PixelType type, const Group& group, std::vector<std::vector<T>>& rows, const Picture& picture,
             int y0, size_t count) {

@@ -22,9 +22,9 @@ namespace plumb {
 namespace {
 
 constexpr size_t kMostHeaderBytes = 65536;
-constexpr double kMostExact = 0x1p53;  // integers beyond are not exact in binary64
+constexpr double kMostExact = 0x1p53;  // larger integers are not exact in binary64
 
-// The header's dictionary: three keys with a string, a boolean and a tuple of whole numbers. Nothing is evaluated.
+// Literal of the header's dictionary: three keys with a string, a boolean and a tuple of whole numbers. Nothing is evaluated.
 class Literal {
 public:
     Literal(std::string_view text, const std::filesystem::path& path, size_t offset) : text_(text), path_(path), offset_(offset) {}
@@ -179,7 +179,7 @@ Picture readNpyPicture(const std::filesystem::path& path, const std::string& byt
     picture.height = uint32_t(height);
     Layer layer;
     layer.channels = uint32_t(channels);
-    // Unsigned codes of 8 and 16 bits are colour where their channels can be; an array says no more about itself.
+    // Unsigned codes of 8 and 16 bits are taken as colour where their number of channels permits; an array says no more about itself.
     if (kind == 'u' && size <= 2 && channels != 2 && channels <= 4) {
         layer.name = "color";
         layer.kind = LayerKind::code;

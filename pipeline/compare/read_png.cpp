@@ -15,7 +15,8 @@
 namespace plumb {
 namespace {
 
-// Everything that changes after setjmp lives here, behind the pointer that libpng has, so that no register holds a copy.
+// State of a reading. Everything that changes after setjmp stands here, behind the pointer that libpng has, so that no register holds a
+// copy.
 struct Reading {
     std::string_view bytes;
     size_t at = 0;
@@ -25,7 +26,7 @@ struct Reading {
     std::vector<unsigned char> row, whole;
 };
 
-// libpng leaves its callbacks by longjmp: nothing with a destructor may live between setjmp and here.
+// Error callback. libpng leaves its callbacks by longjmp: nothing with a destructor may live between setjmp and here.
 [[noreturn]] void onError(png_structp png, png_const_charp message) {
     static_cast<Reading*>(png_get_error_ptr(png))->failure = message;
     png_longjmp(png, 1);
@@ -38,7 +39,7 @@ void take(png_structp png, png_bytep to, size_t count) {
     reading->at += count;
 }
 
-// Memory for one ancillary chunk, decompressed; none is used but gAMA and sRGB.
+// Most memory for one ancillary chunk, decompressed; only gAMA and sRGB are used.
 constexpr png_alloc_size_t kMostChunkBytes = 8u << 20;
 
 void appendRow(const std::vector<unsigned char>& row, bool wide, std::vector<double>& samples) {
@@ -77,7 +78,7 @@ void decode(png_structp png, png_infop info, Reading& reading) {
             appendRow(reading.row, wide, layer.samples);
         }
     } else {
-        // Seven passes fill a whole picture. Deflate expands 1032 times at most, so that a file that is too short is known before.
+        // Seven passes fill a whole picture. Deflate expands 1032 times at most, so a file that is too short is known before.
         if (uint64_t(rowBytes) * reading.height / 1032 > reading.bytes.size()) png_error(png, "the file is too short for its picture");
         reading.whole.resize(rowBytes * reading.height);
         for (int pass = 0; pass < passes; ++pass)
@@ -105,7 +106,7 @@ Picture readPngPicture(const std::filesystem::path& path, const std::string& byt
         png_destroy_read_struct(&png, &info, nullptr);
         throw inputError(placeOfByte(path, reading.at), "PNG: " + printable(reading.failure));
     }
-    try {  // what a vector throws must not leave libpng's structures behind
+    try {  // an exception of a vector must not leave libpng's structures behind
         decode(png, info, reading);
     } catch (...) {
         png_destroy_read_struct(&png, &info, nullptr);

@@ -10,20 +10,21 @@
 
 namespace plumb {
 
-// `columns` columns from `firstColumn`, of every plane that is there; coveredPixels as the object plane says (without one: all or none, as `frame`).
+// Columns [firstColumn, + columns) of every plane that is there. coveredPixels follows the object plane (without one: all or none, as in
+// `frame`).
 Frame columnsOf(const Frame& frame, uint32_t firstColumn, uint32_t columns);
 
-// Lines are counted from 1 at the top, as in television: the odd field (the first to be shown) has lines 1, 3, 5, ..., the even one 2, 4, 6, ...
-// A picture of H lines has (H + 1) / 2 odd and H / 2 even ones.
+// Field of a picture. Lines are counted from 1 at the top, as in television: the odd field (shown first) has lines 1, 3, 5, ..., the even
+// one 2, 4, 6, ... A picture of H lines has (H + 1) / 2 odd and H / 2 even ones.
 enum class Field { odd, even };
 Frame fieldOf(const Frame& frame, Field field);
-Frame interlaced(const Frame& odd, const Frame& even);  // the picture whose fields they are
+Frame interlaced(const Frame& odd, const Frame& even);  // picture with these two fields
 
-// Red as the left eye sees it, green and blue as the right eye does; the linear plane and the encoded bytes alike, which is the same thing, since
-// bytes are encoded channel by channel. Colour planes only; a pixel is covered where either eye sees something (needs the object planes).
+// Anaglyph: red as the left eye sees it, green and blue as the right eye does. Bytes are encoded channel by channel, so the linear plane
+// and the encoded bytes agree. Colour planes only; a pixel is covered where either eye sees something (needs the object planes).
 Frame anaglyphOf(const Frame& left, const Frame& right);
 
-// One picture an ink, from the encoded bytes. Every channel of a pixel holds the share of ink: 0 none, 255 full.
+// Separations: one picture an ink, from the encoded bytes. Every channel of a pixel holds the share of ink: 0 none, 255 full.
 enum class Inks { cmy, cmyk };
 const std::vector<std::string_view>& namesOf(Inks);  // cyan, magenta, yellow(, black), in this order
 Frame separationOf(const Frame& frame, Inks inks, size_t ink);

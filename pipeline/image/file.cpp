@@ -35,18 +35,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A batch holds a descriptor a file. Syncing 256 files costs little more than syncing one, and so many are lost at most.
+// Limits of a batch, which holds a descriptor a file. Syncing 256 files costs little more than syncing one, and at most so many are lost.
 constexpr size_t kMostFiles = 256;
 constexpr uint64_t kMostBytes = uint64_t(256) << 20;
 constexpr std::chrono::seconds kMostWait{5};
-constexpr uint32_t kSyncThreads = 8;  // the file system gathers what is synced at once into one commit of its journal
-constexpr int kMostNames = 100;       // random ones; more that exist already are no chance
+constexpr uint32_t kSyncThreads = 8;  // the file system commits files that are synced at once together in its journal
+constexpr int kMostNames = 100;       // random names to try; when that many exist already it is no chance
 
 [[noreturn]] void fail(const fs::path& path, const char* doing) {
     throw renderError(fmt::format("cannot write '{}': {}: {}", path.string(), doing, std::strerror(errno)));
 }
 
-// A call that a signal interrupted is made again.
+// Repeats a call that a signal interrupted.
 template <class Call>
 auto retried(const Call& call) {
     for (;;) {
@@ -55,12 +55,12 @@ auto retried(const Call& call) {
     }
 }
 
-int closeFile(int fd) {  // Linux has closed it even when it was interrupted
+int closeFile(int fd) {  // never retried: Linux has closed it even when it was interrupted
     const int rc = ::close(fd);
     return rc != 0 && errno == EINTR ? 0 : rc;
 }
 
-// write(2) may be short or interrupted; an error is left in errno.
+// Writes all bytes, since write(2) may be short or interrupted; an error is left in errno.
 bool writeAll(int fd, std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
         const ssize_t n = retried([&] { return ::write(fd, bytes.data(), std::min<size_t>(bytes.size(), size_t(1) << 24)); });
@@ -70,7 +70,7 @@ bool writeAll(int fd, std::span<const std::byte> bytes) {
     return true;
 }
 
-// Temporary files with a name, as paths that a signal handler may unlink. A slot is taken, filled, and then shown.
+// Temporary file with a name, as a path that a signal handler may unlink. A slot is taken, filled, and then shown.
 struct NameSlot {
     std::atomic<bool> taken{false}, shown{false};
     char path[4096] = {};
@@ -98,7 +98,8 @@ void hideName(NameSlot*& slot) {
     slot = nullptr;
 }
 
-// Short and random: the target's name may already be as long as the file system allows, and what a killed process left is never met again.
+// Random name, short because the target's name may already be as long as the file system allows. A killed process leaves a name that is
+// never met again.
 fs::path randomName(const fs::path& folder) {
     uint64_t number = 0;
     if (retried([&] { return ::getrandom(&number, sizeof number, 0); }) != sizeof number) fail(folder, "asking for random bytes");
@@ -117,7 +118,7 @@ void syncFolder(const fs::path& folder, const fs::path& target) {
     }
 }
 
-// Where a symbolic link finally points, so that the link stays and its target is replaced.
+// Final target of a symbolic link: the link stays and its target is replaced.
 fs::path followLinks(fs::path path) {
     for (int hops = 0; hops < 40; ++hops) {
         std::error_code ignored;
@@ -141,10 +142,11 @@ size_t mostFiles() {
 
 }  // namespace
 
-// A file on its way to `target`. Where the file system permits it has no name until it is placed, so that nothing is left of a killed process.
+// File on its way to `target`. Where the file system permits it has no name until it is placed, so that a killed process leaves nothing
+// behind.
 struct FileBatch::Staged {
     fs::path shown, target, folder;
-    fs::path name;  // of the temporary file; after placing, of what was replaced
+    fs::path name;  // temporary file; after placing, the file that was replaced
     NameSlot* slot = nullptr;
     int fd = -1;
     bool noClobber = false;
@@ -193,7 +195,7 @@ struct FileBatch::Staged {
         return ::linkat(AT_FDCWD, fmt::format("/proc/self/fd/{}", fd).c_str(), AT_FDCWD, to.c_str(), AT_SYMLINK_FOLLOW);
     }
 
-    // Under the target's name; what stood there is kept under the temporary one, where the file system can exchange names.
+    // Gives the file the target's name. The replaced file is kept under the temporary name, where the file system can exchange names.
     void place() {
         const auto exchange = [&](unsigned flags) {
             return retried([&] { return ::renameat2(AT_FDCWD, name.c_str(), AT_FDCWD, target.c_str(), flags); }) == 0;
@@ -231,7 +233,7 @@ struct FileBatch::Staged {
         placed = holdsOld = false;
     }
 
-    bool replacedForGood = false;  // no exchange of names here
+    bool replacedForGood = false;  // the file system cannot exchange names
 
 private:
     void done(bool old) {
@@ -288,7 +290,7 @@ void FileBatch::add(const fs::path& path, std::span<const std::byte> bytes, bool
     staged->folder = folderOf(target);
     staged->noClobber = noClobber;
     if (!staged->open(0666)) {
-        // No descriptor is left: those that wait are finished first.
+        // Out of descriptors: the files that wait are finished first.
         if ((errno != EMFILE && errno != ENFILE) || staged_.empty()) fail(path, "creating a temporary file");
         commit();
         if (!staged->open(0666)) fail(path, "creating a temporary file");
@@ -322,7 +324,7 @@ void FileBatch::place() {
 
 void FileBatch::keep() noexcept {
     PLUMB_ASSERT(placed_ || staged_.empty());
-    staged_.clear();  // each takes what it replaced away
+    staged_.clear();  // each file removes the one that it replaced
     bytes_ = 0;
     placed_ = false;
 }

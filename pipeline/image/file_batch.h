@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Files that are there together or not at all. Each is written to a temporary file in its own folder; place() syncs all of them and gives them
-// their names, keep() ends the matter. Until then whatever fails takes the new files away and puts those that they replaced back.
+// Files that are there together or not at all. Each is written to a temporary file in its own folder. place() syncs all of them and gives
+// them their names, keep() makes that final. Before keep() a failure removes the new files and restores the replaced ones.
 #pragma once
 
 #include "pipeline/image/image.h"
@@ -20,18 +20,18 @@ public:
     FileBatch();
     FileBatch(const FileBatch&) = delete;
     FileBatch& operator=(const FileBatch&) = delete;
-    ~FileBatch();  // undoes what was not kept
+    ~FileBatch();  // undoes every file that was not kept
 
-    // Standard output ("-"), devices and FIFOs are written at once. Errors are those of writeFileAtomically.
+    // Adds a file. Standard output ("-"), devices and FIFOs are written at once. Throws as writeFileAtomically() does.
     void add(const std::filesystem::path&, std::span<const std::byte>, bool noClobber);
     void addFrame(const std::filesystem::path&, const Frame&, uint32_t planes, const WriteOptions&, const Metadata&);  // as writeFrame
 
     bool empty() const { return staged_.empty(); }
-    // Enough wait to be placed now: files, bytes, or seconds since the first. A long list is so never lost as a whole.
+    // True when enough is waiting to be placed now: files, bytes, or seconds since the first. So a long list is never lost as a whole.
     bool due() const;
 
-    void place();          // all of them, or none and an Error
-    void keep() noexcept;  // what place() replaced is gone for good; the batch is empty again
+    void place();          // all files, or none and an Error
+    void keep() noexcept;  // replaced files are gone for good; the batch is empty again
     void commit() {
         place();
         keep();

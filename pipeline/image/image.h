@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Frames as files. Everything is written to a temporary file in the same folder, synced, then renamed.
+// Frames as files. Every file is written to a temporary file in the same folder, synced, then renamed.
 #pragma once
 
 #include "pipeline/render/frame.h"
@@ -27,25 +27,27 @@ struct WriteOptions {
         false;  // PNG: one channel of 8 bits, the red bytes as they are: a quantity rather than a colour, so neither curve nor gamma
 };
 
-// "-" writes to stdout. Throws Error(failed) on disk faults (old file intact, temporary removed), Error(usage) for noClobber.
+// Writes a file. "-" writes to stdout. Throws Error(failed) on disk faults (old file intact, temporary removed), Error(usage) for
+// noClobber.
 // A symbolic link stays and its target is replaced; a device or FIFO is written in place.
 void writeFileAtomically(const std::filesystem::path&, std::span<const std::byte>, bool noClobber);
-// The refusals of writeFileAtomically that can be known before anything is rendered.
+// Throws the refusals of writeFileAtomically() that can be known before anything is rendered.
 void checkWritable(const std::filesystem::path&, bool noClobber);
 // Unlinks the temporary files that have names. Async-signal-safe; the process must end right after.
 void removeTemporaryFile() noexcept;
 std::vector<std::byte> encodePng(const Frame&, const WriteOptions&, const Metadata&);
-// Linear colour + chosen planes, float32/uint32: R G B [A], Z, distance, normal.X/Y/Z, object_id, primitive_id. kPlaneColour and
+// EXR of linear colour and the chosen planes, float32/uint32: R G B [A], Z, distance, normal.X/Y/Z, object_id, primitive_id. kPlaneColour
+// and
 // kPlaneLinear both mean the linear colour. With `alpha`, colour is multiplied by A, as EXR readers expect.
 std::vector<std::byte> encodeExr(const Frame&, uint32_t planes, const Metadata&, bool alpha = false);
-// One plane, NPY 1.0: colour (H, W, 4) |u1, linear and normal (H, W, 3) <f4, ids (H, W) <u4, the others (H, W) <f4.
+// NPY 1.0 of one plane: colour (H, W, 4) |u1, linear and normal (H, W, 3) <f4, ids (H, W) <u4, the others (H, W) <f4.
 std::vector<std::byte> encodeNpy(const Frame&, Plane plane);
-// By extension (.png, .exr, .npy); `planes`: what goes into an EXR; NPY takes exactly one.
+// Writes a frame in the format of the extension (.png, .exr, .npy). `planes`: the planes of an EXR; NPY takes exactly one.
 void writeFrame(const std::filesystem::path&, const Frame&, uint32_t planes, const WriteOptions&, const Metadata&);
-// Frames of equal size in rows of `columns` (0: as square as can be), in order; cells left over are `background`: a packed
+// Contact sheet: frames of equal size in rows of `columns` (0: as square as can be), in order. Left-over cells are `background`: a packed
 // pixel, and its linear colour for sheets with a linear plane. Other planes are dropped.
 Frame contactSheet(std::span<const Frame> frames, uint32_t columns, uint32_t background, std::array<float, 3> backgroundLinear = {});
-// Reads a PNG back (tests, verify's pictures): RGBA8. Regular files of at most 2^28 pixels; Error(input) otherwise.
+// Frame read back from a PNG (tests, verify's pictures): RGBA8. Regular files of at most 2^28 pixels; Error(input) otherwise.
 Frame readPng(const std::filesystem::path&);
 
 }  // namespace plumb

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// PNG through libpng; its rows are compressed by zlib_strips.h. The same frame, options and metadata give the same bytes: no time stamp, fixed filters and level.
+// PNG through libpng; zlib_strips.h compresses its rows. Equal frame, options and metadata give equal bytes: no time stamp, fixed filters
+// and level.
 #include "host/error.h"
 #include "pipeline/image/image.h"
 #include "pipeline/image/zlib_strips.h"
@@ -22,14 +23,14 @@
 namespace plumb {
 namespace {
 
-// Sub filter, zlib level 4. Suzanne at 1920x1080: 115 kB in 57 ms; libpng's defaults (all filters, level 6) 99 kB in 178 ms,
+// Compression: Sub filter, zlib level 4. Suzanne at 1920x1080: 115 kB in 57 ms; libpng's defaults (all filters, level 6) 99 kB in 178 ms,
 // Sub and level 1 160 kB in 38 ms.
 constexpr int kZlibLevel = 4;
 constexpr unsigned char kFilterSub = 1;
 constexpr uint64_t kMostPixelsRead = uint64_t(1) << 28;
 
-// libpng leaves an error callback by longjmp or by a C++ exception; Debian's libpng is built with unwind tables, but C frames
-// without them would end the program, so errors go through longjmp and the text is kept here.
+// Text of an error. libpng leaves an error callback by longjmp or by a C++ exception. Debian's libpng is built with unwind tables, but C
+// frames without them would end the program, so errors go through longjmp.
 struct Failure {
     std::string text;
 };
@@ -46,7 +47,7 @@ void append(png_structp png, png_bytep data, size_t count) {
 }
 void flushNothing(png_structp) {}
 
-// IEC 61966-2-1, the curve that the 8-bit picture follows too; binary64, so that rounding to 16 bits is its only error.
+// Encoded value by the curve of IEC 61966-2-1, as in the 8-bit picture; binary64, so that rounding to 16 bits is its only error.
 double srgbFromLinear(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055; }
 
 uint16_t sixteenBits(float linear, bool keepLinear) {
@@ -81,7 +82,7 @@ void packRow16(const Frame& frame, uint32_t y, bool alpha, bool keepLinear, unsi
     }
 }
 
-// Keys of 1 to 79 printable Latin-1 characters (PNG, 11.3.4.2); longer ones are cut.
+// Key of a text chunk: 1 to 79 printable Latin-1 characters (PNG, 11.3.4.2); longer ones are cut.
 std::string textKey(const std::string& key) {
     std::string k = key.substr(0, 79);
     for (char& c : k)
@@ -112,7 +113,7 @@ std::vector<std::byte> encodePng(const Frame& frame, const WriteOptions& options
                 packRow8(frame, y, options.alpha, to);
             else
                 packRow16(frame, y, options.alpha, options.linear, to);
-            // Each byte minus that of the pixel before (PNG, 9.2).
+            // Sub filter: each byte minus that of the pixel before (PNG, 9.2).
             for (size_t i = rowBytes - 1; i >= pixelBytes; --i) to[i] = static_cast<unsigned char>(to[i] - to[i - pixelBytes]);
         });
     Failure failure;

@@ -10,12 +10,12 @@
 namespace plumb {
 namespace {
 
-// Of rows. A strip knows nothing of the one before it; pieces of this size make a picture of 1920x1080 0.5 % larger.
+// Bytes of a strip of rows. A strip knows nothing of the strip before it; strips of this size make a picture of 1920x1080 0.5 % larger.
 constexpr size_t kStripBytes = 131072;
 constexpr int kRawWindowBits = -15, kMemoryLevel = 8;
-constexpr size_t kFlushBytes = 16;  // a bound on what the end of a strip takes beyond deflateBound()
+constexpr size_t kFlushBytes = 16;  // bound on the bytes of a strip's end beyond deflateBound()
 
-// The strip as blocks of RFC 1951 that end at a byte; the stream ends with the last one.
+// Strip as blocks of RFC 1951 that end at a byte; the stream ends with the last one.
 std::vector<std::byte> deflated(std::vector<unsigned char>& raw, int level, bool last) {
     z_stream stream{};
     if (deflateInit2(&stream, level, Z_DEFLATED, kRawWindowBits, kMemoryLevel, Z_FILTERED) != Z_OK)
@@ -53,7 +53,7 @@ std::vector<std::vector<std::byte>> zlibStrips(uint32_t rows, size_t rowBytes, i
             pieces[strip] = deflated(raw, level, strip + 1 == strips);
         }
     });
-    // A window of 32 KiB; the level is only a remark. The two bytes are a multiple of 31.
+    // Header of the stream: a window of 32 KiB; the level is only a remark. The two bytes are a multiple of 31.
     const unsigned method = 0x78, remark = level < 2 ? 0 : level < 6 ? 1 : level == 6 ? 2 : 3;
     const unsigned flags = remark << 6, check = 31 - (method * 256 + flags) % 31;
     pieces.front().insert(pieces.front().begin(), {std::byte(method), std::byte(flags + check % 31)});

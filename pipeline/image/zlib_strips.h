@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One zlib stream of the rows of a picture, compressed by all threads.
+// zlib stream of the rows of a picture, compressed by all threads.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace plumb {
 
-// fillRow(y, to) writes the `rowBytes` bytes of row y; it is called from several threads, once a row. The pieces, one after another, are the stream
-// (RFC 1950). Where it is cut depends on `rowBytes` alone, so threads change no byte. Throws Error(failed) without memory.
+// Pieces that, one after another, are the stream (RFC 1950). fillRow(y, to) writes the `rowBytes` bytes of row y; it is called from several
+// threads, once a row. The cuts depend on `rowBytes` alone, so threads change no byte. Throws Error(failed) without memory.
 std::vector<std::vector<std::byte>> zlibStrips(uint32_t rows, size_t rowBytes, int level,
                                                const std::function<void(uint32_t, unsigned char*)>& fillRow);
 

@@ -30,7 +30,7 @@ std::string base64(std::span<const std::byte> bytes) {
     return text;
 }
 
-// Every n-th pixel and row.
+// Picture of every n-th pixel and row.
 Frame thinned(const ReportPicture& picture, uint32_t n) {
     Frame frame;
     frame.width = (picture.width + n - 1) / n;
@@ -40,7 +40,7 @@ Frame thinned(const ReportPicture& picture, uint32_t n) {
     return frame;
 }
 
-// The difference to the truth modulo 256, which the page undoes: mostly zeros, so a small fraction of the picture itself, and nothing is lost.
+// Difference to the truth modulo 256, which the page undoes: mostly zeros, so a small fraction of the picture itself, without any loss.
 Frame apart(const Frame& picture, const Frame& truth) {
     Frame frame = picture;
     for (size_t i = 0; i < frame.rgba.size(); ++i) {
@@ -53,7 +53,7 @@ Frame apart(const Frame& picture, const Frame& truth) {
 
 std::string pngOf(const Frame& frame) { return base64(encodePng(frame, {}, {})); }
 
-// JSON inside a <script>: no "</" may end it and no "<!--" may open a comment.
+// JSON text inside a <script>: no "</" may end it and no "<!--" may open a comment.
 std::string inScript(const Json& json) {
     std::string text;
     for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
@@ -86,7 +86,7 @@ std::string reportHtml(const Json& measurement, const ReportPicture& truth, std:
     shown["size"] = {base.width, base.height};
     shown["truth"] = pngOf(base);
     shown["apart"] = Json::array();
-    shown["of"] = Json::object();  // "axis/choice": place in `apart`
+    shown["of"] = Json::object();  // "axis/choice": index in `apart`
     shown["leftOut"] = Json::array();
     size_t bytes = page.size() + data.size() + shown["truth"].get_ref<const std::string&>().size() + 65536;
 
@@ -96,7 +96,7 @@ std::string reportHtml(const Json& measurement, const ReportPicture& truth, std:
         known.insert(name);
         if (row.value("onFront", false) || row.value("baseline", false)) front.insert(name);
     }
-    // The front and the default first: if something has to stay out, it is none of these.
+    // Order of the pictures: front and default first, so that they are never among those left out.
     std::vector<const ReportPicture*> order;
     for (const ReportPicture& picture : pictures) order.push_back(&picture);
     std::stable_partition(order.begin(), order.end(), [&](const ReportPicture* p) { return front.count(p->axis + "/" + p->choice) != 0; });

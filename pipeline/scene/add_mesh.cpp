@@ -15,11 +15,11 @@
 
 namespace plumb {
 
-// Smaller meshes would be lost among what the transform snaps to zero.
+// Least extent of a mesh. A smaller one would be lost, because the transform snaps tiny values to zero.
 static constexpr double kLeastExtent = 0x1p-100;
 
 static uint32_t append(Scene& scene, TriangleMesh mesh, const std::string& place) {
-    const glm::dvec3 size = mesh.statedMax - mesh.statedMin;  // before float32 made 0 of what is too small for it
+    const glm::dvec3 size = mesh.statedMax - mesh.statedMin;  // before float32 rounded small coordinates to 0
     const double extent = std::max({size.x, size.y, size.z});
     if (extent > 0 && extent < kLeastExtent)
         throw inputError(place, fmt::format("the mesh is {:g} across; the smallest that is drawn is {:g}", extent, kLeastExtent));
@@ -30,7 +30,7 @@ static uint32_t append(Scene& scene, TriangleMesh mesh, const std::string& place
 
 void warnOfRepairs(Scene& scene, size_t first, const std::string& place) {
     const std::tuple<uint32_t TriangleMesh::*, const char*, const char*> repairs[] = {
-        // of one, of several
+        // Words for one, and for several.
         {&TriangleMesh::degenerateFaces, "face has no area", "faces have no area"},
         {&TriangleMesh::repairedNormals, "corner normal is zero or opposite to its face: the face's is used",
          "corner normals are zero or opposite to their face: the face's is used"},
@@ -50,8 +50,8 @@ uint32_t addFinished(Scene& scene, TriangleMesh mesh, const std::string& place) 
     return index;
 }
 
-// finishMesh appends the materials of a mesh to those it is given. The scene has these already, so it is given a list
-// of its own, `used`, and the scene's numbers are put back afterwards.
+// Finishes a mesh whose materials the scene has already. finishMesh() appends the materials of a mesh to the list it is given, so it is
+// given a list of its own, `used`, and the scene's numbers are put back afterwards.
 uint32_t addMesh(Scene& scene, PolygonMesh mesh, const std::string& place, const LoadOptions& options) {
     PLUMB_ASSERT(mesh.materials.empty());
     std::vector<uint32_t> used;

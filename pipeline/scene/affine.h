@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What scene readers ask of vectors and matrices, in double, beyond the room of transforms. Matrices are to-From, for column vectors.
+// Vectors and matrices of scene readers, in double, beyond the room of transforms. Matrices are to-From, for column vectors.
 #pragma once
 
 #include "pipeline/scene/text.h"
@@ -11,7 +11,7 @@
 
 namespace plumb {
 
-// No NaN, and nothing above kMaxCoordinate.
+// True when no entry is NaN or above kMaxCoordinate.
 inline bool entriesUsable(const glm::dmat4& m) {
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
@@ -19,7 +19,7 @@ inline bool entriesUsable(const glm::dmat4& m) {
     return true;
 }
 
-// Two unit vectors whose cross product is shorter than this are parallel to a camera: its direction is rounding error.
+// Least length of the cross product of two unit vectors that a camera takes as not parallel. Below it the direction is rounding error.
 inline constexpr double kMinCross = 0x1p-40;
 
 }  // namespace plumb

@@ -10,7 +10,7 @@
 
 namespace plumb {
 
-// Points of one area light: every light of a scene is met at every shaded point, so more is a slip of the pen rather than a lamp.
+// Most points of one area light. Every light of a scene is added at every shaded point, so more is a slip of the pen rather than a light.
 inline constexpr uint32_t kMaxAreaPoints = 4096;
 
 // A rectangle (or parallelogram) from `corner` along `u` and `v`, world space; with v = 0 a line along u. It shines to all sides.
@@ -21,8 +21,8 @@ struct AreaLight {
     Attenuation attenuation = Attenuation::none;
 };
 
-// Points in the middle of pointsU x pointsV equal cells, along u first: corner + u (i + 1/2) / pointsU + v (j + 1/2) / pointsV. Each has the
-// intensity divided by their number, rounded once. Nothing is drawn by chance.
+// Point lights of an area light, in the middle of pointsU x pointsV equal cells, along u first: corner + u (i + 1/2) / pointsU + v (j +
+// 1/2) / pointsV. Each has the intensity divided by their number, rounded once. Nothing is random.
 std::vector<Light> pointsOf(const AreaLight&);
 
 }  // namespace plumb

@@ -16,7 +16,7 @@ int digitOf(char c) {
     return -1;
 }
 
-// a b / c to the nearest, halves up; the greatest product is 255 * 255.
+// Quotient a b / c to the nearest, halves up; the greatest product is 255 * 255.
 uint8_t share(uint32_t a, uint32_t b, uint32_t c) { return uint8_t((2 * a * b + c) / (2 * c)); }
 
 }  // namespace

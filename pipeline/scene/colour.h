@@ -15,10 +15,10 @@ namespace plumb {
 
 using Rgb8 = std::array<uint8_t, 3>;
 
-// "#rrggbb", either case of digits; nothing else is a code.
+// Colour of the code "#rrggbb", digits of either case; nothing else is a code.
 std::optional<Rgb8> rgbOfHex(std::string_view code);
 std::string hexOf(const Rgb8&);  // lower-case digits
-// The colour code of 16.5: 255 times the intensity, halves to even, clamped to [0, 255] at both ends (erratum A14); NaN is 0.
+// Colour code of section 16.5: 255 times the intensity, halves to even, clamped to [0, 255] at both ends (erratum A14); NaN is 0.
 std::string hexOf(const glm::dvec3& intensity);
 
 inline glm::dvec3 cmyFromRgb(const glm::dvec3& rgb) { return 1.0 - rgb; }
@@ -28,11 +28,13 @@ inline glm::dvec3 mixed(const glm::dvec3& rgb, const glm::dvec3& other) { return
 struct Cmyk {
     double c = 0, m = 0, y = 0, k = 0;
 };
-// Full black generation: K is all that C, M and Y have in common, K = 1 - max(R, G, B) and C = (1 - R - K) / (1 - K); black is K alone.
+// CMYK with full black generation: K is all that C, M and Y have in common, K = 1 - max(R, G, B) and C = (1 - R - K) / (1 - K); black is K
+// alone.
 Cmyk cmykFromRgb(const glm::dvec3& rgb);
 glm::dvec3 rgbFromCmyk(const Cmyk&);
 
-// The same on bytes, each the nearest to the exact quotient (halves up). cmykFromRgb followed by rgbFromCmyk gives every one of the 2^24 colours back.
+// CMYK of bytes, each the nearest to the exact quotient (halves up). cmykFromRgb followed by rgbFromCmyk gives every one of the 2^24
+// colours back.
 struct Cmyk8 {
     uint8_t c = 0, m = 0, y = 0, k = 0;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the end of a file's name says of its format.
+// Extension of a file's name, by which its format is known.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace plumb {
 
-// ".PNG" is ".png": ASCII letters alone, without a locale.
+// Extension in lower case: ".PNG" is ".png". ASCII letters only, without a locale.
 inline std::string lowerExtension(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     for (char& c : extension)

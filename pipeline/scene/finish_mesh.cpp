@@ -2,7 +2,7 @@
 // Polygons become triangles with normals. All arithmetic is binary64 + - * / and square root, which IEEE 754 rounds
 // correctly everywhere; no function of the C library decides a bit, so a file gives the same mesh on every machine.
 //
-// Order is the file's: vertices and edges by first use, triangles by face. Nothing depends on a hash's order.
+// Order is the file's: vertices and edges by first use, triangles by face. No result depends on the order of a hash.
 #include "pipeline/scene/input.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/mesh_origin.h"
@@ -22,17 +22,17 @@
 namespace plumb {
 namespace {
 
-// Ear clipping takes time corners * reflex corners; at this size half a second in the worst case.
+// Most corners of a concave face. Ear clipping takes time corners * reflex corners: at this size half a second in the worst case.
 constexpr uint32_t kMaxConcaveCorners = 8192;
 
-// A face is of zero area when its Newell sum is below what binary64 rounding leaves of collinear float32 corners:
-// each of n cross products has an error of at most 4 * 2^-53 * L^2, L the longest distance from the first corner.
+// Least area of a face, a corner. A face has no area when its Newell sum is below what binary64 rounding leaves of collinear float32
+// corners: each of n cross products has an error of at most 4 * 2^-53 * L^2, L the longest distance from the first corner.
 constexpr double kZeroAreaPerCorner = 0x1p-51;
 
-// A mean normal whose condition number sum |w| / |sum w n| is above this has lost 10 bits.
+// Largest condition number sum |w| / |sum w n| of a mean normal; above it the mean has lost 10 bits.
 constexpr double kMaxNormalCondition = 1024;
 
-// A file's normal this far from its face (cosine) is opposite: the face would be lit from behind. Means over a smooth
+// Cosine between a file's normal and its face below which the normal is opposite: the face would be lit from behind. Means over a smooth
 // neighbourhood stay within 90 degrees; 120 leaves room for faces that are coarser than the surface they stand for.
 constexpr double kOppositeCosine = -0.5;
 
@@ -47,12 +47,12 @@ uint64_t mixBits(uint64_t x) {  // the finalizer of MurmurHash3 (Appleby, public
     return x ^ x >> 33;
 }
 
-// Open addressing over indices of things that live elsewhere; grows, never forgets.
+// Hash table of indices, open addressing; the things themselves stand elsewhere. It grows and never forgets.
 class IndexTable {
 public:
     explicit IndexTable(size_t expected) : slots_(std::bit_ceil(std::max<size_t>(16, expected * 2)), kFree) {}
 
-    // The index that `same` accepts, else `fresh`, which is then in the table.
+    // Index that `same` accepts; otherwise `fresh`, which is then in the table.
     template <class Same, class HashOf>
     uint32_t findOrAdd(uint64_t hash, uint32_t fresh, Same same, HashOf hashOf) {
         if ((used_ + 1) * 2 > slots_.size()) grow(hashOf);
@@ -98,7 +98,7 @@ glm::vec3 flushed(const glm::vec3& v, uint32_t& count) { return {flushed(v.x, co
 double lengthOf(const glm::dvec3& v) { return std::sqrt((v.x * v.x + v.y * v.y) + v.z * v.z); }
 double dotOf(const glm::dvec3& a, const glm::dvec3& b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
 
-// arccos to 2e-8 (Abramowitz and Stegun 4.4.46). A weight needs no more, and acos differs between C libraries.
+// Angle by arccos to 2e-8 (Abramowitz and Stegun 4.4.46). A weight needs no more, and acos differs between C libraries.
 double angleOf(double cosine) {
     const double x = std::min(std::abs(cosine), 1.0);
     constexpr double kA[] = {1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046,
@@ -135,8 +135,8 @@ public:
             fan(n);
             return turnsOnce() ? Outcome::done : Outcome::selfCrossing;
         }
-        // A straight corner wants more care than a fan: cut off as a triangle without area it would leave the
-        // neighbour that also has it with a T-junction, through which the background could be seen.
+        // A straight corner needs ears rather than a fan. Cut off as a triangle without area it would leave the neighbouring face, which
+        // also has that corner, with a T-junction: the background could be seen through it.
         if (n <= kMaxConcaveCorners) return clipEars(n);
         if (anyRight || !turnsOnce()) return Outcome::tooLarge;
         fan(n);
@@ -151,7 +151,8 @@ private:
     // Twice the signed area of (a, b, c): positive for a turn to the left at b.
     static double turnOf(const Point& a, const Point& b, const Point& c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
-    // A convex outline changes its direction in x twice, and in y twice; a star with left turns only does so more often.
+    // True when the outline turns once. A convex outline changes its direction in x twice, and in y twice; a star whose turns are all to
+    // the left does so more often.
     bool turnsOnce() const {
         const auto changes = [&](auto coordinate) {
             int count = 0, first = 0, last = 0;
@@ -170,8 +171,8 @@ private:
 
     double turnAt(uint32_t i) const { return turnOf(points[before_[i]], points[i], points[after_[i]]); }
 
-    // An ear is a strict left turn whose triangle, border included, holds no corner that is not a strict left turn;
-    // corners that coincide with the triangle's own (the bridge of a face with a hole) do not count.
+    // True for an ear: a strict left turn whose triangle, border included, holds no corner that is not a strict left turn. Corners that
+    // coincide with the triangle's own (the bridge of a face with a hole) do not count.
     bool isEar(uint32_t i) const {
         const Point &a = points[before_[i]], &b = points[i], &c = points[after_[i]];
         if (!(turnOf(a, b, c) > 0)) return false;
@@ -190,8 +191,8 @@ private:
         gone_[i] = true;
     }
 
-    // Only the two neighbours of a cut corner can become ears or stop being reflex (O'Rourke, Computational Geometry
-    // in C, 1.4); in degenerate outlines others can too, so all are asked again before giving up, a few times.
+    // Clips ears. Only the two neighbours of a cut corner can become ears or stop being reflex (O'Rourke, Computational Geometry in C,
+    // 1.4). In degenerate outlines other corners can too, so all are tested again before giving up, a few times.
     Outcome clipEars(uint32_t n) {
         before_.resize(n);
         after_.resize(n);
@@ -245,7 +246,7 @@ private:
     }
 
     Outcome fallBack(uint32_t at, uint32_t left) {
-        // All that is left in one line has no area and crosses nothing.
+        // A remaining outline in one line has no area and crosses nothing.
         bool straight = true;
         for (uint32_t k = 0, i = at; k < left; ++k, i = after_[i]) straight &= turnAt(i) == 0;
         for (uint32_t i = after_[at]; left > 2; --left) {
@@ -290,7 +291,7 @@ public:
     }
 
 private:
-    // Where each step ends, of the time for 10^7 triangles without normals.
+    // Ends of the steps, in shares of the time for 10^7 triangles without normals.
     static constexpr double kWelded = 0.1, kMeasured = 0.2, kEdgesFound = 0.5, kJoined = 0.65, kSummed = 0.75, kVerticesMade = 0.95;
     LoadMeter meterOf(double from, double to, uint64_t total) const {
         return {options_, "finish", kParseEnds + (1 - kParseEnds) * from, kParseEnds + (1 - kParseEnds) * to, total};
@@ -303,7 +304,7 @@ private:
     uint32_t place(uint32_t corner) const { return welded_[in_.corners[corner].position]; }
     glm::dvec3 at(uint32_t corner) const { return glm::dvec3(positions_[in_.corners[corner].position]); }
 
-    // From the box of what faces name; a position that none names moves nothing.
+    // Takes the origin from the box of the positions that faces name; other positions move nothing.
     void takeOrigin() {
         const std::vector<bool> named = namedPositions();
         glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
@@ -327,14 +328,14 @@ private:
         return named;
     }
 
-    // Numbers that float32 rounds to 0 before flushed() sees them.
+    // Number of coordinates that float32 rounds to 0 before flushed() sees them.
     static uint32_t underflows(const glm::dvec3& v) {
         uint32_t count = 0;
         for (int i = 0; i < 3; ++i) count += v[i] != 0 && float(v[i]) == 0;
         return count;
     }
 
-    // Positions with the same bits are one place: STL repeats them for each triangle.
+    // Welds positions with the same bits, because STL repeats a position for each triangle.
     void weldPositions() {
         welded_.resize(positions_.size());
         IndexTable table(positions_.size());
@@ -403,11 +404,11 @@ private:
     }
 
     struct Edge {
-        uint32_t from, to;                    // places, as the first face has them
-        uint32_t corner, face;                // where it was first seen
+        uint32_t from, to;                    // welded positions, in the order of the first face
+        uint32_t corner, face;                // first occurrence
         uint32_t smooth[2] = {kNone, kNone};  // corners where the faces with an area begin this edge
         uint32_t smoothFace[2] = {kNone, kNone};
-        uint32_t count = 0;  // of faces with an area
+        uint32_t count = 0;  // faces with an area
     };
 
     void findEdges() {
@@ -424,7 +425,7 @@ private:
                     [&](uint32_t i) { return (edges_[i].from == a && edges_[i].to == b) || (edges_[i].from == b && edges_[i].to == a); },
                     [&](uint32_t i) { return hash(edges_[i].from, edges_[i].to); });
                 if (e == fresh) edges_.push_back({a, b, c, uint32_t(f)});
-                // A face without area has no side; the faces beside it meet each other.
+                // Faces without area have no side, so the faces beside one are neighbours of each other.
                 if (faceNormal_[f] == glm::dvec3(0)) continue;
                 Edge& edge = edges_[e];
                 if (edge.count < 2) edge.smooth[edge.count] = c, edge.smoothFace[edge.count] = uint32_t(f);
@@ -432,8 +433,8 @@ private:
             }
     }
 
-    // Smooth across: exactly two faces that agree on which side is out, and either the same smoothing group of the
-    // file, or (where a group is not stated) an angle below the crease angle.
+    // True when the normal is smooth across the edge: exactly two faces that agree on which side is out, and either the same smoothing
+    // group of the file, or (where a group is not stated) an angle below the crease angle.
     bool isSmooth(const Edge& edge) const {
         if (edge.count != 2 || place(edge.smooth[0]) == place(edge.smooth[1])) return false;
         const uint32_t f = edge.smoothFace[0], g = edge.smoothFace[1];
@@ -455,8 +456,8 @@ private:
         if (a != b) fan_[std::max(a, b)] = std::min(a, b);
     }
 
-    // A corner's normal is the mean over the fan of faces around its place that smooth edges connect, weighted by
-    // their angles there (Thuermer and Wuethrich 1998), so that cutting a face in two changes nothing.
+    // Builds a corner's normal as the mean over the faces around its position that smooth edges connect. The weight is their angle there
+    // (Thuermer and Wuethrich 1998), so that cutting a face in two changes nothing.
     void buildMissingNormals() {
         const bool missing = std::any_of(in_.corners.begin(), in_.corners.end(), [](const auto& c) { return c.normal == kNone; });
         if (!missing) return;
@@ -498,7 +499,7 @@ private:
         return out_.faceNormal[face];
     }
 
-    // A unit vector in float32 without denormals and without -0 (vertices are compared by bits).
+    // Unit vector in float32 without denormals and without -0 (vertices are compared by bits).
     static glm::vec3 clean(const glm::dvec3& n) {
         uint32_t notCounted = 0;
         return flushed(glm::vec3(n), notCounted);
@@ -559,7 +560,7 @@ private:
             if (normal == glm::dvec3(0)) {
                 cutter.fan(n);
             } else {
-                // Dropping the coordinate in which the normal is largest keeps turns, and rounds nothing.
+                // Projection that drops the coordinate in which the normal is largest: it keeps turns and rounds nothing.
                 const glm::dvec3 size = glm::abs(normal);
                 const int drop = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
                 int u = (drop + 1) % 3, v = (drop + 2) % 3;
@@ -584,9 +585,9 @@ private:
     const double crease_;  // radians
     TriangleMesh out_;
     size_t faces_ = 0;
-    std::vector<glm::vec3> positions_;  // from the origin, flushed
+    std::vector<glm::vec3> positions_;  // relative to the origin, denormals flushed
     std::vector<uint32_t> welded_;      // position -> the first with the same bits
-    std::vector<glm::dvec3> normals_;   // of the file: unit, or 0
+    std::vector<glm::dvec3> normals_;   // normals of the file: unit, or 0
     uint32_t firstMaterial_ = 0;
     std::vector<glm::dvec3> faceNormal_;  // unit, or 0
     std::vector<Edge> edges_;

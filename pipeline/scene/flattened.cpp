@@ -10,14 +10,14 @@ using glm::dvec3;
 
 namespace {
 
-// Of an entry of a product of a few matrices, and of what is made of two or three such entries, in shares of the magnitudes.
+// Rounding of an entry of a product of a few matrices, and of values made of two or three such entries, in shares of the magnitudes.
 constexpr double kRounding = 64 * 0x1p-53;
 
 }  // namespace
 
 bool mirrors(const glm::dmat4& worldFromObject) {
     const dmat3 m(worldFromObject), rows = glm::transpose(m);
-    // Hadamard's bound of the determinant; by rows and by columns, for a scale before a rotation and for one after it.
+    // Hadamard's bound of the determinant, by rows and by columns: for a scale before a rotation and for one after it.
     const double most = std::min(glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]),
                                  glm::length(rows[0]) * glm::length(rows[1]) * glm::length(rows[2]));
     return glm::determinant(m) < -kRounding * most;
@@ -25,7 +25,7 @@ bool mirrors(const glm::dmat4& worldFromObject) {
 
 bool leavesNoArea(const TriangleMesh& mesh, const glm::dmat4& worldFromObject) {
     const dmat3 m(worldFromObject);
-    // Twice a triangle's area as a vector is the matrix of cofactors times the one of its object's space.
+    // Cofactors: twice a triangle's area, as a vector, is their matrix times the same vector in object space.
     const dvec3 cofactors[3] = {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
     const dvec3 length(glm::length(m[0]), glm::length(m[1]), glm::length(m[2]));
     return std::none_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const TriangleMesh::Triangle& t) {

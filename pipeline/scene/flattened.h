@@ -8,8 +8,8 @@
 
 namespace plumb {
 
-// True when the matrix turns triangles around: its determinant is below 0 by more than the rounding of a few products of matrices.
-// One that flattens turns nothing, whatever sign its rounding has.
+// True when the matrix turns triangles around: its determinant is below 0 by more than the rounding of a few products of matrices. A matrix
+// that flattens turns nothing, whatever sign its rounding has.
 bool mirrors(const glm::dmat4& worldFromObject);
 
 // True when no triangle of the mesh has an area under the matrix, so that only a wire frame shows something.

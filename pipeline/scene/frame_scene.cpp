@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A camera and lights for scenes that state none.
+// Camera and lights for scenes that state none.
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/text.h"
@@ -21,21 +21,21 @@ namespace {
 // Field of view along the shorter side: a 38 mm lens on film 24 mm high. Mild perspective, parallels still converge.
 constexpr double kFovShorterDegrees = 35;
 
-// The larger of the object's two extents in the picture, as a share of the shorter side: inside the promised 35 to
-// 80 %, and far enough from 80 for the half pixels by which a line or a covered sample can exceed the projection.
+// Share of the shorter side that the larger of the object's two extents covers: inside the promised 35 to 80 %, and far enough from 80 for
+// the half pixels by which a line or a covered sample can exceed the projection.
 constexpr double kCoverShorter = 0.72;
 
-// What lies nearest to the eye keeps at least this share of the object's radius as distance, so that near planes of
-// 2^-10 of the focus distance never cut it. It matters for needles seen end on only.
+// Least distance of the object from the eye, as a share of the object's radius, so that near planes of 2^-10 of the focus distance never
+// cut the object. It matters only for needles seen end on.
 constexpr double kLeastClearance = 0.1;
 
 // Three-quarter view: from the right and above, as product photographs are taken.
 constexpr double kAzimuthDegrees = 30, kElevationDegrees = 20;
 
-// Lights of a bare mesh, in the camera's axes (right, up, toward the eye). Key from above and a little from the left, 54
-// degrees off the view; fill from the lower right, 30 degrees off. The direction to the eye lies between the two, in
-// their plane, so every surface that faces the eye faces at least one of them: nothing visible is black for want of
-// light. In the three-quarter view the top, front and right side of a box get 0.37, 0.27 and 0.08: three distinct greys.
+// Directions of a bare mesh's lights, in the camera's axes (right, up, toward the eye). Key light: from above and a little from the left,
+// 54 degrees off the view. Fill light: from the lower right, 30 degrees off. The direction to the eye lies between the two, in their plane.
+// So every surface that faces the eye faces at least one of them: nothing visible is black for want of light. In the three-quarter view the
+// top, front and right side of a box get 0.37, 0.27 and 0.08: three distinct greys.
 constexpr glm::dvec3 kKeyDirection{-0.45, 0.85, 0.7}, kFillDirection{0.27, -0.51, 1.0};
 
 // Intensities (linear). With Ka = Kd = Ks = 1 and Ns >= 1 no normal that faces the eye gets more than 0.99, which
@@ -127,7 +127,7 @@ Camera frameCamera(const Scene& scene, double aspect, const std::string& view) {
         const glm::dmat4 toWorld = worldFromMesh(scene, object);
         for (const glm::vec3& position : scene.meshes[object.mesh].positions) include(glm::dvec3(toWorld * glm::dvec4(position, 1)));
     }
-    // The box of a sphere; planes have no end to frame.
+    // Box of a sphere. Planes have no end to frame.
     for (const SphereShape& sphere : scene.spheres)
         for (int i = 0; i < 8; ++i) include(sphere.centre + sphere.radius * glm::dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
     if (!(least.x <= most.x)) least = most = glm::dvec3(0), lowest = highest = glm::dvec2(0);  // nothing to frame

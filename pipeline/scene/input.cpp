@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kHeadBytes = size_t(1) << 16;
-constexpr int kWaitMs = 100;  // for a writer; between two looks at an interrupt
+constexpr int kWaitMs = 100;  // wait for a writer, and between two checks for an interrupt
 
 constexpr std::pair<std::string_view, FileFormat> kFormats[] = {
     {"obj", FileFormat::obj},   {"ply", FileFormat::ply},  {"stl", FileFormat::stl},  {"off", FileFormat::off},
@@ -56,7 +56,7 @@ std::string_view withoutBlanks(std::string_view line) {
     return first == line.npos ? std::string_view() : line.substr(first);
 }
 
-// By the first line of a text that is neither blank nor a comment; they begin with '#' in every format that has them.
+// Format by the first line of a text that is neither blank nor a comment; comments begin with '#' in every format that has them.
 FileFormat formatOfText(std::string_view text) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     for (;;) {
@@ -125,7 +125,7 @@ FileFormat formatOfContent(std::string_view head, uint64_t size) {
 FileFormat formatOfReference(const fs::path& path, const LoadOptions&) {
     FileFormat format = formatOfExtension(path);
     struct stat status {};
-    // What is no regular file is refused by the reader, and never opened.
+    // The reader refuses anything but a regular file and never opens it.
     if (format == FileFormat::unknown && ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode))
         format = formatOfContent(headOf(path), uint64_t(status.st_size));
     return format;
@@ -142,7 +142,7 @@ FileFormat formatOfInput(const fs::path& path, const LoadOptions& options) {
             format = formatOfContent(std::string_view(once->second).substr(0, kHeadBytes), once->second.size());
     } else {
         std::error_code failed;
-        if (formatOfExtension(path) == FileFormat::unknown && !fs::exists(path, failed)) readWholeFile(path);  // says why
+        if (formatOfExtension(path) == FileFormat::unknown && !fs::exists(path, failed)) readWholeFile(path);  // refuses, and says why
         format = formatOfReference(path, options);
     }
     return format == FileFormat::unknown ? unknownFormat(path, "obj, ply, stl, off, gltf, toml") : format;
@@ -156,7 +156,7 @@ bool isReadOnce(const fs::path& path) {
 
 void rememberOnce(const fs::path& path, const LoadOptions& options) {
     const std::string place = printablePath(path);
-    // A FIFO is opened without waiting for its writer; poll() waits, and looks up for an interrupt.
+    // A FIFO is opened without waiting for its writer. poll() waits instead, and checks for an interrupt.
     const bool own = !isStandardInput(path);
     const int fd = own ? ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY) : STDIN_FILENO;
     if (fd < 0) throw inputError(place, std::strerror(errno));

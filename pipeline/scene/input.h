@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the readers read: files, and what comes once through a pipe; which format that is; and how far a reader is.
+// Input of the readers: files, and bytes that come once through a pipe; their format; and the progress of a reader.
 #pragma once
 
 #include "pipeline/scene/load.h"
@@ -16,32 +16,35 @@ namespace plumb {
 
 enum class FileFormat { unknown, obj, ply, stl, off, gltf, toml };
 
-// By the extension in any case; unknown when it names none.
+// Format by the extension in any case; unknown when it names none.
 FileFormat formatOfExtension(const std::filesystem::path&);
-// By the bytes: `head` is the beginning of `size` bytes. Binary formats by their magic or their size, texts by the first statement.
+// Format by the bytes: `head` is the beginning of `size` bytes. Binary formats by their magic or their size, texts by the first statement.
 FileFormat formatOfContent(std::string_view head, uint64_t size);
-// Of an input: what LoadOptions::format says, else by extension, else by content. Refused: a folder, and what is none of them.
+// Format of an input: LoadOptions::format, else by extension, else by content. Refused: a folder, and an unknown format.
 FileFormat formatOfInput(const std::filesystem::path&, const LoadOptions&);
-// Of a file that a scene names: by extension, else by content.
+// Format of a file that a scene names: by extension, else by content.
 FileFormat formatOfReference(const std::filesystem::path&, const LoadOptions&);
 
-// True for "-", a FIFO and what else can be read only once.
+// True for "-", a FIFO and any other input that can be read only once.
 bool isReadOnce(const std::filesystem::path&);
-// Reads such an input to its end and remembers it in options.once. At most kMaxFileBytes, and options.onProgress may end the wait.
+// Reads an input that can be read only once to its end and remembers it in options.once. At most kMaxFileBytes; options.onProgress may end
+// the wait.
 void rememberOnce(const std::filesystem::path&, const LoadOptions&);
-// The bytes of a file, or what was remembered of an input that can be read only once.
+// Bytes of a file, or the remembered bytes of an input that can be read only once.
 std::string readInput(const std::filesystem::path&, const LoadOptions&, uint64_t maxBytes = kMaxFileBytes);
 
-// The file whose folder holds what an input names; for what came through a pipe or a descriptor (/dev/stdin, <(...)) one in the current folder.
+// File whose folder holds the files that an input names. For bytes from a pipe or a descriptor (/dev/stdin, <(...)): a file in the current
+// folder.
 std::filesystem::path referenceBase(const std::filesystem::path&, const LoadOptions&);
 
-// readWholeFile that says how far it is, tell(done, size), every few MiB. What `tell` throws comes through.
+// Reads a file as readWholeFile() does, and calls tell(done, size) every few MiB. An exception of `tell` comes through.
 std::string readWholeFileTelling(const std::filesystem::path&, uint64_t maxBytes, const std::function<void(uint64_t, uint64_t)>& tell);
 
-// A part of the work on one file, told every kStep units and at its end. LoadOptions::onProgress may throw, so an interrupt is heard here.
+// Meter of a part of the work on one file: reports every kStep units and at the end. LoadOptions::onProgress may throw, so an interrupt is
+// noticed here.
 class LoadMeter {
 public:
-    // From `from` to `to` of the file's share, in `total` units.
+    // Starts at `from` and ends at `to` of the file's share, in `total` units.
     LoadMeter(const LoadOptions& options, const char* stage, double from, double to, uint64_t total)
         : options_(options), stage_(stage), from_(from), to_(to), total_(total) {
         tell(0);
@@ -60,7 +63,7 @@ private:
     uint64_t total_, next_ = 0;
 };
 
-// Shares of a file's time: its bytes are read, then parsed, then finished (10^7 triangles of a binary PLY).
+// Ends of the parts of a file's time: its bytes are read, then parsed, then finished (10^7 triangles of a binary PLY).
 inline constexpr double kReadEnds = 0.02, kParseEnds = 0.25;
 
 }  // namespace plumb

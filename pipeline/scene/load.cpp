@@ -18,7 +18,7 @@
 namespace plumb {
 namespace {
 
-// A mesh of `format`; null for what is no mesh alone.
+// Reader of the meshes of `format`; null for a format that is not a mesh alone.
 PolygonMesh (*readerOf(FileFormat format))(const std::filesystem::path&, const LoadOptions&) {
     switch (format) {
         case FileFormat::obj:
@@ -70,7 +70,7 @@ uint32_t addMeshFile(Scene& scene, const std::filesystem::path& path, const Load
     const FileFormat format = formatOfReference(path, options);
     if (readerOf(format) == nullptr) {
         std::error_code failed;
-        if (!std::filesystem::exists(path, failed)) readWholeFile(path);  // says why
+        if (!std::filesystem::exists(path, failed)) readWholeFile(path);  // refuses, and says why
         throw inputError(printablePath(path),
                          fmt::format("unknown extension '{}'; read are .obj, .ply, .stl, .off", printable(path.extension().string(), 40)));
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Positions as a reader hands them on, in binary64.
+// Positions from a reader, in binary64.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace plumb {
 
-// Binary64 numbers that take the room of float32 for as long as float32 holds each of them exactly: files of float32 are most of the large ones.
+// Binary64 numbers in the memory of float32 for as long as float32 holds each of them exactly. Most large files are files of float32.
 class Positions {
 public:
     using value_type = glm::dvec3;

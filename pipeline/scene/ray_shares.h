@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of a ray's colour a material takes from itself, from the mirrored and from the refracted ray.
+// Shares of a ray's colour: a material's own colour, the mirrored and the refracted ray.
 #pragma once
 
 #include "pipeline/scene/mesh.h"
@@ -12,11 +12,11 @@ struct RayShares {
     float local = 1, reflect = 0, transmit = 0;  // at most 1 together
 };
 
-// As MTL numbers them: 3, 5 and 8 mirror; 4, 6, 7 and 9 are glass.
+// Kinds of MTL's illum: 3, 5 and 8 mirror; 4, 6, 7 and 9 are glass.
 inline bool illumIsGlass(int illum) { return illum == 4 || illum == 6 || illum == 7 || illum == 9; }
 inline bool illumMirrors(int illum) { return illum >= 3 && illum <= 9; }
 
-// The share that is mirrored is the largest of Ks, of what glass does not let pass.
+// Shares of a material. By its illum it mirrors the largest of Ks, at most what glass does not let pass.
 inline RayShares raySharesOf(const Material& m) {
     RayShares s{m.local, m.reflect, m.transmit};
     if (m.local < 0 && illumMirrors(m.illum)) {
@@ -27,7 +27,8 @@ inline RayShares raySharesOf(const Material& m) {
     return s;
 }
 
-// Whether its file means it to be traced. Opacity alone does not: it is what the raster passes are known to draw opaque.
+// True when the file means the material to be traced. Opacity alone does not mean it, because the raster passes are known to draw it
+// opaque.
 inline bool asksForRays(const Material& m) {
     const RayShares s = raySharesOf(m);
     return m.statesRays || (m.local < 0 && illumMirrors(m.illum) && (s.reflect > 0 || s.transmit > 0));

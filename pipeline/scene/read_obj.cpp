@@ -22,7 +22,7 @@
 namespace plumb {
 namespace {
 
-// A text with more kinds of unknown statements than this is not the format that its name promises.
+// Most kinds of unknown statements. A text with more is not the format that its name promises.
 constexpr size_t kMaxUnknownKinds = 64;
 
 class ObjReader {
@@ -58,7 +58,7 @@ private:
             const float x = in.number("normal x"), y = in.number("normal y"), z = in.number("normal z");
             mesh_.normals.push_back({x, y, z});
         } else if (key == "vt") {
-            // Only textures would use it; still it must be well formed, because a corner may name it.
+            // Texture coordinates must be well formed although nothing uses them, because a corner may name one.
             in.number("texture coordinate u");
             for (std::string_view word = in.word(); !word.empty() && word[0] != '#'; word = in.word())
                 in.number(word, "texture coordinate");
@@ -74,7 +74,7 @@ private:
         } else if (key == "s") {
             smoothingGroup(in);
         } else if (key == "o" || key == "g") {
-            // One file is one object of the scene; its parts share it.
+            // Parts of a file (o, g) make no objects: one file is one object of the scene.
         } else if (key == "l" || key == "p") {
             ignore(in, key == "l" ? "lines (l)" : "points (p)");
         } else {
@@ -101,7 +101,7 @@ private:
         }
     }
 
-    // One index of a corner; 0-based. Positive ones may name what comes later in the file, negative ones count back.
+    // Index of a corner, 0-based. Positive ones may name a later vertex of the file, negative ones count back.
     static uint32_t index(const Scanner& in, std::string_view word, const char*& at, size_t count, const char* field, bool& later) {
         int64_t value = 0;
         const auto [rest, error] = std::from_chars(at, word.data() + word.size(), value);
@@ -135,13 +135,13 @@ private:
         const size_t count = mesh_.corners.size() - first;
         if (count < 3) in.refuse(fmt::format("face has {} corners; at least 3 are needed", count));
         mesh_.faceFirst.push_back(uint32_t(mesh_.corners.size()));
-        mesh_.faceMaterial.push_back(faceMaterialName_);  // an index of usedMaterials_ until assignMaterials
+        mesh_.faceMaterial.push_back(faceMaterialName_);  // an index into usedMaterials_ until assignMaterials()
         mesh_.faceSmoothing.push_back(smoothing_);
         if (faceMaterialName_ != kNone) ++usedMaterials_[faceMaterialName_].faces;
     }
 
     struct Later {
-        size_t corner, offset;  // of the mesh, of the text
+        size_t corner, offset;  // corner of the mesh, offset in the text
         uint32_t textureCoordinate;
     };
 
@@ -198,7 +198,8 @@ private:
         }
     }
 
-    // False when there is no such file and `last` says that nothing else can be meant: then that is noted.
+    // Reads a material library. False when there is no such file; a missing file is noted when `last` says that the name can mean nothing
+    // else.
     bool materialLibrary(const Scanner& in, std::string_view name, bool last) {
         const std::string place = in.place();
         const std::filesystem::path library =
@@ -242,7 +243,7 @@ private:
             const std::string_view key = in.word();
             if (key == "newmtl") {
                 const std::string_view name = in.restOfLine();
-                // The first definition of a name counts.
+                // The first definition of a name is the one that counts.
                 materialByName_.try_emplace(std::string(name), uint32_t(library_.size()));
                 library_.push_back({});
                 material = &library_.back().material;
@@ -316,7 +317,7 @@ private:
                 if (options_.strict) throw inputError(defined.place, what + " would be ignored (--strict)");
                 if (std::find(mesh_.ignored.begin(), mesh_.ignored.end(), what) == mesh_.ignored.end()) mesh_.ignored.push_back(what);
             }
-            // illum 0 is the colour Kd without any light; 0 and 1 have no highlight, whatever Ks says.
+            // Kinds 0 and 1 of illum have no highlight, whatever Ks says. Kind 0 is the colour Kd without any light.
             if (material.illum < 2) material.specular = glm::vec3(0);
             if (material.illum == 0) {
                 material.emission = glm::min(material.emission + material.diffuse, glm::vec3(1));
@@ -348,7 +349,7 @@ private:
     const std::filesystem::path& path_;
     const LoadOptions& options_;
     PolygonMesh mesh_;
-    std::vector<Later> later_;  // corners that name what had not come yet
+    std::vector<Later> later_;  // corners that name a later vertex
     size_t textureCoordinates_ = 0;
     uint32_t faceMaterialName_ = kNone;
     uint32_t smoothing_ = kNone;

@@ -66,7 +66,7 @@ private:
         mesh_.ignored.push_back(what);
     }
 
-    // A count of the header; nothing is allocated that the rest of the file could not fill.
+    // Count from the header. Nothing is allocated that the rest of the file could not fill.
     int64_t count(const char* field, size_t leastBytes) {
         const int64_t value = in_.integer(in_.wordAnywhere(), field);
         const int64_t most = int64_t((text_.size() - in_.offset() + 1) / leastBytes);

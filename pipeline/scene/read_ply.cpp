@@ -22,7 +22,7 @@
 namespace plumb {
 namespace {
 
-constexpr size_t kMaxElements = 64, kMaxProperties = 256;  // beyond that it is not a mesh
+constexpr size_t kMaxElements = 64, kMaxProperties = 256;  // a file with more is not a mesh
 constexpr char kNoComment = '\0';                          // after the header PLY has no comments
 
 enum class Type : uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
@@ -41,13 +41,13 @@ constexpr double kMost[] = {127, 255, 32767, 65535, 2147483647.0, 4294967295.0};
 
 bool isReal(Type type) { return type == Type::float32 || type == Type::float64; }
 
-// What a property means to us.
+// Role of a property for us.
 enum Role { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kRed, kGreen, kBlue, kScalarRoles, kIndices = kScalarRoles, kSkipped };
 constexpr std::string_view kRoleNames[] = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"};
 
 struct Property {
     std::string name;
-    Type type = Type::float32;  // of the scalar, or of the list's items
+    Type type = Type::float32;  // type of the scalar, or of the list's items
     Type countType = Type::uint8;
     bool list = false;
     Role role = kSkipped;
@@ -56,7 +56,7 @@ struct Property {
 struct Element {
     std::string name;
     uint64_t count = 0;
-    const char* countAt = nullptr;  // in the header, for a refusal
+    const char* countAt = nullptr;  // position in the header, for a refusal
     std::vector<Property> properties;
 };
 
@@ -119,7 +119,7 @@ private:
         normals_ = roleSeen_[kNormalX] && roleSeen_[kNormalY] && roleSeen_[kNormalZ];
         colours_ = roleSeen_[kRed] && roleSeen_[kGreen] && roleSeen_[kBlue];
         if (colours_) ignore("vertex colours");
-        // One carriage return ends the lines of this file only if it does so in the first; else the byte after it is data.
+        // A single carriage return ends lines only when it ends the first one; otherwise the byte after it is data.
         const bool carriageReturns = text_[firstLineEnd] == '\r' && text_.compare(firstLineEnd, 2, "\r\n") != 0;
         if (in_.atEnd()) in_.refuse("the file ends after the header");
         at_ = in_.offset();
@@ -185,7 +185,7 @@ private:
         element.properties.push_back(property);
     }
 
-    // Names what the file has and no pass draws.
+    // Names the parts of the file that no pass draws.
     void nameSkipped(const Element& element) {
         if (element.name != "vertex" && element.name != "face") return ignore(fmt::format("PLY element {}", printable(element.name, 40)));
         for (const Property& property : element.properties)
@@ -199,7 +199,7 @@ private:
     }
 
     void readElement(const Element& element) {
-        if (element.properties.empty()) return;  // takes no bytes, however many it says
+        if (element.properties.empty()) return;  // such an element takes no bytes, however many the header says
         size_t least = 0;
         for (const Property& property : element.properties)
             least += ascii_ ? 2 : kTypeBytes[size_t(property.list ? property.countType : property.type)];
@@ -295,7 +295,8 @@ private:
         PLUMB_ASSERT(false);
     }
 
-    // Positions in binary64, whatever type the header states: exporters write more digits of a `float` than it holds. All else is float32.
+    // Number in binary64, whatever type the header states, because exporters write more digits of a `float` than it holds. Only positions
+    // are kept so; the rest is float32.
     double real(const Element& element, const Property& property, uint64_t item) {
         const double read = value(element, property, property.type, item);
         if (!(std::abs(read) <= double(kMaxCoordinate))) finiteFloat(read, placeOfValue(), fieldOf(element, property, item));
@@ -311,7 +312,7 @@ private:
         if (count < (indices ? 3 : 0))
             throw inputError(placeOfValue(), fmt::format("{} has {} entries{}", fieldOf(element, property, item), count,
                                                          indices ? "; a face has at least 3 corners" : ""));
-        const size_t most = (text_.size() - at_) / kTypeBytes[size_t(property.type)];  // binary: that many bytes are left
+        const size_t most = (text_.size() - at_) / kTypeBytes[size_t(property.type)];  // binary: at most the remaining bytes
         if (!ascii_ && count > double(most))
             throw inputError(placeOfValue(),
                              fmt::format("{} has {} entries; the file ends before", fieldOf(element, property, item), count));
@@ -329,7 +330,7 @@ private:
 
     bool verticesRead() const { return !mesh_.positions.empty(); }
 
-    // Faces may come before the vertices; and there must be some.
+    // Checks indices at the end, because faces may come before the vertices. There must be some faces.
     void checkIndices() const {
         if (mesh_.faceMaterial.empty())
             throw inputError(in_.placeAt(faceElement().countAt), "element face has a count of 0: the file has no face");
@@ -346,7 +347,7 @@ private:
     const LoadOptions& options_;
     const std::string text_;
     Scanner in_;
-    size_t at_ = 0, valueAt_ = 0;  // binary: the next byte, the last value's first
+    size_t at_ = 0, valueAt_ = 0;  // binary: the next byte, and the first byte of the last value
     bool ascii_ = false, swap_ = false, normals_ = false, colours_ = false;
     std::array<bool, kIndices + 1> roleSeen_{};
     std::vector<Element> elements_;

@@ -19,10 +19,10 @@ namespace plumb {
 namespace scene_file {
 namespace {
 
-// A TOML value takes about 90 bytes of memory and at least two of text; larger meshes belong in a mesh file.
+// Largest scene file. A TOML value takes about 90 bytes of memory and at least two of text; larger meshes belong in a mesh file.
 constexpr uint64_t kMaxSceneFileBytes = uint64_t(16) << 20;
 
-// A text in pieces, so that how far the parser is can be told between them.
+// Text in pieces, so that the parser's progress can be reported between them.
 class MeteredBuffer : public std::streambuf {
 public:
     MeteredBuffer(std::string_view text, const LoadOptions& options)
@@ -39,7 +39,7 @@ protected:
         return traits_type::to_int_type(*gptr());
     }
 
-    // The parser looks for a byte order mark and goes back.
+    // Seeks, because the parser looks for a byte order mark and goes back.
     pos_type seekoff(off_type by, std::ios::seekdir from, std::ios::openmode which) override {
         const off_type here = off_type(done_) - (egptr() - gptr());
         return seekpos(pos_type(by + (from == std::ios::beg ? 0 : from == std::ios::cur ? here : off_type(text_.size()))), which);
@@ -63,7 +63,7 @@ toml::table parsed(const std::string& text, const LoadOptions& options) {
     if (text.size() <= kSmall) return toml::parse(std::string_view(text));
     MeteredBuffer buffer(text, options);
     std::istream stream(&buffer);
-    stream.exceptions(std::ios::badbit);  // what the meter throws comes through
+    stream.exceptions(std::ios::badbit);  // exceptions of the meter come through
     return toml::parse(stream);
 }
 
@@ -99,9 +99,9 @@ Scene SceneFile::read() {
         readMesh(table);
     });
     options_.from = options_.to;
-    LoadMeter meter(options_, "finish", 1, 1, 1);  // an interrupt is heard
+    LoadMeter meter(options_, "finish", 1, 1, 1);  // an interrupt is noticed here
     uint64_t work = 0;
-    constexpr uint64_t kWork = 1000;  // of a table, in units of the meter
+    constexpr uint64_t kWork = 1000;  // units of the meter for a table
     eachTable(root, "sphere", "sphere", [&](const toml::table& table) { readSphere(table), meter.at(work += kWork); });
     eachTable(root, "plane", "plane", [&](const toml::table& table) { readPlane(table); });
     eachTable(root, "object", "object", [&](const toml::table& table) { readObject(table, -1, 1), meter.at(work += kWork); });

@@ -133,7 +133,7 @@ PolygonMesh readStl(const std::filesystem::path& path, const LoadOptions& option
     PolygonMesh mesh;
     mesh.name = path.stem().string();
     mesh.faceFirst.push_back(0);
-    // Many binary files begin with the word "solid", so the size decides; then a NUL, which no text has.
+    // Binary or text: the size decides, because many binary files begin with the word "solid"; then a NUL, which no text has.
     const bool exact = bytes.size() >= kHeaderBytes && bytes.size() == kHeaderBytes + kFacetBytes * size_t(loadAt<uint32_t>(bytes, 80));
     const size_t start = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
     const bool solid = equalIgnoringCase(std::string_view(bytes).substr(start, 5), "solid");

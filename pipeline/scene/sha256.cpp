@@ -55,11 +55,11 @@ void addBlocks(State& state, const unsigned char* data, size_t blocks) {
 bool askProcessor() {
     unsigned a = 0, b = 0, c = 0, d = 0;
     if (__get_cpuid(1, &a, &b, &c, &d) == 0 || (c & bit_SSSE3) == 0 || (c & bit_SSE4_1) == 0) return false;
-    constexpr unsigned kSha = 1u << 29;  // of leaf 7
+    constexpr unsigned kSha = 1u << 29;  // bit in leaf 7
     return __get_cpuid_count(7, 0, &a, &b, &c, &d) != 0 && (b & kSha) != 0;
 }
 
-// Intel SHA extensions: two rounds an instruction, the state as the words (a, b, e, f) and (c, d, g, h), highest first.
+// Adds blocks by the Intel SHA extensions: two rounds an instruction, the state as the words (a, b, e, f) and (c, d, g, h), highest first.
 __attribute__((target("sha,ssse3,sse4.1"))) void addBlocksByInstructions(State& state, const unsigned char* data, size_t blocks) {
     const auto load = [](const void* from) __attribute__((target("sha,ssse3,sse4.1"))) {
         return _mm_loadu_si128(static_cast<const __m128i*>(from));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// SHA-256 (FIPS 180-4): a picture is compared by its pixels' hash, never by its file's bytes; inputs are named by theirs.
+// SHA-256 (FIPS 180-4). Pictures are compared by the hash of their pixels, never of a file's bytes; inputs are named by the hash of their
+// bytes.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +9,7 @@
 
 namespace plumb {
 
-// `fastest`: by the processor's own instructions where it has them. `portable`: plain C++, for all others. Both give the same hash.
+// Form of the computation. `fastest`: the processor's own instructions where it has them. `portable`: plain C++. Both give the same hash.
 enum class Sha256Form { fastest, portable };
 std::string sha256Hex(std::span<const std::byte> bytes, Sha256Form form = Sha256Form::fastest);
 bool processorHasSha256();

@@ -120,7 +120,7 @@ std::string readWholeFileTelling(const std::filesystem::path& path, uint64_t max
     const auto refuse = [&] { return inputError(place, std::strerror(errno)); };
     if (path.native().find('\0') != std::string::npos) throw inputError(place, "the name has a NUL character");
     struct stat status {};
-    // Asked before opening, because opening alone can have effects on a device; O_NONBLOCK and the second look cover
+    // The file's kind is checked before opening, because opening alone can have effects on a device. O_NONBLOCK and the second check cover
     // an exchange in between.
     if (::stat(path.c_str(), &status) != 0) throw refuse();
     refuseUnlessRegular(status, place);
@@ -169,7 +169,7 @@ float finiteFloat(double value, const std::string& place, std::string_view field
     if (std::isnan(value)) throw inputError(place, fmt::format("{} is NaN", field));
     if (std::isinf(value)) throw inputError(place, fmt::format("{} is infinite", field));
     if (std::abs(value) > limit) throw inputError(place, fmt::format("{} is {}; the largest magnitude is {}", field, value, limit));
-    // A number that float32 cannot hold becomes its smallest denormal, so that finishMesh counts it.
+    // A number too small for float32 becomes its smallest denormal, so that finishMesh() counts it.
     const float rounded = float(value);
     return rounded == 0 && value != 0 ? std::copysign(std::numeric_limits<float>::denorm_min(), float(value)) : rounded;
 }
@@ -183,7 +183,7 @@ static bool parseReal(std::string_view word, Real& value) {
     if (rest != end || at == end) return false;
     if (error == std::errc()) return true;
     if (error != std::errc::result_out_of_range) return false;
-    // from_chars does not say on which side. Decimal place of the first digit that is not 0, plus the exponent, does:
+    // Side of the overflow, which from_chars does not tell: the decimal position of the first digit that is not 0, plus the exponent.
     // float32 holds up to 3.4e38 and down to 1.4e-45, binary64 more either way, so the sign of the sum decides.
     const bool negative = *at == '-';
     int64_t place = 0, exponent = 0;
@@ -253,7 +253,7 @@ std::string_view Scanner::restOfLine() {
 }
 
 void Scanner::skipLine() {
-    // A comment does not go on in the next line, even when it ends with the backslash of a path.
+    // True in a comment, which ends with its line even when that ends with the backslash of a path.
     bool comment = !continued || (token_ != at_ && *token_ == '#');
     while (at_ != end_ && !isLineEnd(*at_)) {
         comment |= *at_ == '#';
@@ -289,7 +289,7 @@ Real Scanner::real(std::string_view word, std::string_view field, Real limit) {
     if (!parseReal(word, value)) refuse(fmt::format("{} '{}' is not a number", field, printable(word, 40)));
     if (!(std::abs(value) <= limit)) {
         if (std::isnan(value)) refuse(fmt::format("{} is NaN", field));
-        // An infinity that was written as digits is an overflow.
+        // Infinities written as digits are overflows, and refused as too large.
         if (std::isinf(value) && word.find_first_of("iI") != std::string_view::npos) refuse(fmt::format("{} is infinite", field));
         refuse(fmt::format("{} is {}; the largest magnitude is {:g}", field, printable(word, 40), limit));
     }

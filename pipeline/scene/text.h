@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What all readers share: bytes of an untrusted file, places in it, numbers, names, and paths that files name.
-// Everything here is independent of the locale; every refusal is Error(Exit::input) with a place.
+// Text of untrusted files, for all readers: bytes, positions in them, numbers, names, and paths that files name. Everything here is
+// independent of the locale. Every refusal is Error(Exit::input) and says where in the file.
 #pragma once
 
 #include "host/error.h"
@@ -13,51 +13,51 @@
 
 namespace plumb {
 
-// Largest file that is read. Meshes address vertices by 32 bits, and a text vertex takes at least 8 bytes ("v 0 0 0\n"),
-// so 4 GiB keeps every count of a text file below 2^29; it also bounds what a sparse file can make us allocate.
+// Largest file that a reader accepts. Meshes address vertices by 32 bits, and a text vertex takes at least 8 bytes ("v 0 0 0\n"), so 4 GiB
+// keeps every count of a text file below 2^29; it also bounds what a sparse file can make us allocate.
 inline constexpr uint64_t kMaxFileBytes = uint64_t(4) << 30;
 
 // Largest coordinate or matrix entry: 2^100 (about 1.27e30). Products of three stay finite after the divisions of the
 // transform.
 inline constexpr float kMaxCoordinate = 0x1p100f;
 
-// Untrusted text made safe for a terminal: control characters and bytes that are not UTF-8 as \xNN, at most
-// `maxChars` characters, "..." where it was cut.
+// Untrusted text made safe for a terminal: control characters and bytes that are not UTF-8 as \xNN, at most `maxChars` characters, "..." at
+// the cut.
 std::string printable(std::string_view text, size_t maxChars = 200);
 
-// "file:line:column" (both from 1, columns in bytes), "file: byte N" (from 0), "file: /pointer". The file is printable.
+// Place in a file, for messages: "file:line:column" (both from 1, columns in bytes), "file: byte N" (from 0), "file: /pointer". The file's
+// name is made printable.
 std::string placeOfLine(const std::filesystem::path&, size_t line, size_t column);
 std::string placeOfByte(const std::filesystem::path&, uint64_t offset);
 std::string placeOfPointer(const std::filesystem::path&, std::string_view pointer);
 std::string printablePath(const std::filesystem::path&);
-// A part of a scene that is refused when it is drawn: "scene.toml:9:1: object 'arrow'", by its place or else by the file.
+// Place of a part of a scene that is refused when it is drawn: "scene.toml:9:1: object 'arrow'", by its place or else by the file.
 std::string placeOfPart(const std::string& place, const std::filesystem::path& file, std::string_view kind, std::string_view name);
 
-// Levenshtein's distance, for "did you mean"; anyCase takes ASCII letters of both cases for the same.
+// Case of letters for editDistance() (Levenshtein's, for "did you mean"): anyCase takes ASCII letters of both cases as equal.
 enum class Letters { asWritten, anyCase };
 size_t editDistance(std::string_view a, std::string_view b, Letters letters);
 
-// The whole file. Refused: what is missing or not a regular file (folder, FIFO, device, socket; never opened in a way
-// that blocks), more than `maxBytes` (before anything is allocated), a file that shrinks while it is read.
+// Bytes of a whole file. Refused: a missing or not regular file (folder, FIFO, device, socket; never opened in a way that blocks), more
+// than `maxBytes` (before anything is allocated), a file that shrinks while it is read.
 std::string readWholeFile(const std::filesystem::path&, uint64_t maxBytes = kMaxFileBytes);
 
-// A reference written in file `from`, e.g. a material library. Unless `allowOutside`, it must be relative, contain
-// no "..", and resolve (symbolic links included) to something in the folder of `from` or below. `place` is where it
-// is written, `field` what it is. The file need not exist.
+// Path of a reference written in file `from`, e.g. of a material library. Unless `allowOutside`, it must be relative, contain no "..", and
+// resolve (symbolic links included) to something in the folder of `from` or below. `place` is where it is written, `field` its name. The
+// file need not exist.
 std::filesystem::path resolveReference(const std::filesystem::path& from, std::string_view reference, bool allowOutside,
                                        const std::string& place, std::string_view field);
 
-// `value` as float32 of `field`; NaN, infinity, and magnitudes above `limit` are refused at `place`.
+// Number `value` of `field` as float32; NaN, infinity, and magnitudes above `limit` are refused at `place`.
 float finiteFloat(double value, const std::string& place, std::string_view field, double limit = kMaxCoordinate);
 
-// Text to number without a locale; an optional sign, decimal, all of `word`. False: not a number. NaN and infinity are
-// numbers here. A value too small for float32 gives the smallest denormal of its sign, so that finishMesh counts it;
-// one too large gives infinity.
+// Reads a number without a locale: an optional sign, decimal, all of `word`. False: not a number. NaN and infinity are numbers here. A
+// value too small for float32 gives the smallest denormal of its sign, so that finishMesh() counts it; one too large gives infinity.
 bool parseFloat(std::string_view word, float& value);
-bool parseDouble(std::string_view word, double& value);  // likewise, of binary64
+bool parseDouble(std::string_view word, double& value);  // as parseFloat(), in binary64
 bool parseInteger(std::string_view word, int64_t& value);
 
-// Walks over the text of a file. Lines end at \n, \r\n or \r. Places are worked out only when something is refused.
+// Scanner of the text of a file. Lines end at \n, \r\n or \r. Places are computed only for a refusal.
 class Scanner {
 public:
     Scanner(std::string_view text, std::filesystem::path file, size_t offset = 0)
@@ -67,23 +67,23 @@ public:
     size_t offset() const { return size_t(at_ - text_.data()); }
     const std::filesystem::path& file() const { return file_; }
 
-    // Within a line: the next word (a run without blanks), empty at the end of the line. With `continued`, a
-    // backslash before the line's end joins the next line (OBJ).
+    // Next word (a run without blanks) within the line, empty at the end of the line. With `continued`, a backslash before the line's end
+    // joins the next line (OBJ).
     std::string_view word();
-    // The rest of the line without surrounding blanks (a trailing comment stays).
+    // Rest of the line without surrounding blanks (a trailing comment stays).
     std::string_view restOfLine();
     void skipLine();  // to the start of the next line
     bool lineEnds();  // only blanks are left in the line
-    // Over blanks, line ends and comments that start with `comment`; the next word, empty at the end of the text.
+    // Next word after blanks, line ends and comments that start with `comment`; empty at the end of the text.
     std::string_view wordAnywhere(char comment = '#');
 
     float number(std::string_view word, std::string_view field, float limit = kMaxCoordinate);  // finite, or refused
     float number(std::string_view field) { return number(word(), field); }
-    double coordinate(std::string_view word, std::string_view field);  // likewise in binary64, at most kMaxCoordinate
+    double coordinate(std::string_view word, std::string_view field);  // finite and at most kMaxCoordinate, or refused; in binary64
     double coordinate(std::string_view field) { return coordinate(word(), field); }
     int64_t integer(std::string_view word, std::string_view field);
 
-    // Where the last word began, or where a missing word should be.
+    // Place where the last word began, or where a missing word should be.
     std::string place() const { return placeAt(token_); }
     std::string placeAt(const char* at) const;
     [[noreturn]] void refuse(std::string_view message) const;

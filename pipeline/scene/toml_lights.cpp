@@ -39,7 +39,7 @@ void SceneFile::readLight(const toml::table& table) {
         scene_.lights.push_back(light);
 }
 
-// A lamp with a size becomes points: k along a line, m times n on a rectangle.
+// Reads an area light, which becomes point lights: k along a line, m times n on a rectangle.
 void SceneFile::readArea(const toml::table& table, const Light& light) {
     AreaLight area;
     area.intensity = light.intensity;

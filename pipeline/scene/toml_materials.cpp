@@ -14,7 +14,7 @@ namespace plumb::scene_file {
 namespace {
 
 constexpr double kMaxShininess = 1e6;
-// Weights that add up to 1 in decimals may exceed it by a rounding of each.
+// Largest sum of weights. Weights that add up to 1 in decimals may exceed it by a rounding of each.
 constexpr double kLargestWeightSum = 1 + 4 * 0x1p-53;
 
 }  // namespace
@@ -53,7 +53,8 @@ void SceneFile::readMaterial(const toml::table& table) {
     scene_.materials.push_back(material);
 }
 
-// Shares of the mirrored, the refracted and the local colour. Opacity below 1 lets its rest pass unless `transmit` says otherwise.
+// Reads the shares of the mirrored, the refracted and the local colour. Opacity below 1 lets its rest pass unless `transmit` says
+// otherwise.
 void SceneFile::readWeights(const toml::table& table, Material& material) const {
     const auto weight = [&](const char* key, double fallback) {
         const auto* node = table.get(key);

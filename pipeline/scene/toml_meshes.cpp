@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes, of files or listed.
+// Meshes of a scene: from files, or listed.
 #include "pipeline/scene/toml_scene.h"
 
 #include "pipeline/scene/add_mesh.h"
@@ -20,7 +20,7 @@ namespace plumb::scene_file {
 
 namespace {
 
-constexpr uint64_t kMaxCopiedTriangles = uint64_t(1) << 26;  // 5 GiB: more is a file that means to fill the memory
+constexpr uint64_t kMaxCopiedTriangles = uint64_t(1) << 26;  // 5 GiB: a file with more means to fill the memory
 
 void paint(TriangleMesh& mesh, uint32_t material) {
     std::fill(mesh.vertexMaterial.begin(), mesh.vertexMaterial.end(), material);
@@ -115,7 +115,8 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
     return index;
 }
 
-// A TriangleMesh carries its materials, so an object that replaces them draws a copy; one for each (mesh, material).
+// Mesh with another material. A TriangleMesh has its materials in it, so an object that replaces them draws a copy; one copy for each
+// (mesh, material).
 uint32_t SceneFile::meshWithMaterial(uint32_t mesh, uint32_t material, const toml::table& place) {
     const auto [found, isNew] = recoloured_.try_emplace({mesh, material}, uint32_t(scene_.meshes.size()));
     if (isNew) {

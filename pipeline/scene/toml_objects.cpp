@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Objects and their hierarchy.
+// Objects of a scene and their hierarchy.
 #include "pipeline/scene/toml_scene.h"
 
 #include "pipeline/scene/affine.h"
@@ -66,7 +66,7 @@ void SceneFile::linkParents() {
     }
 }
 
-// World matrices from the roots down, each node once, and the objects in file order.
+// Computes world matrices from the roots down, each node once, and adds the objects in file order.
 void SceneFile::placeObjects() {
     for (size_t start = 0; start < nodes_.size(); ++start) {
         std::vector<int> chain;  // from `start` up to the first placed ancestor

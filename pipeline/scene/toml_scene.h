@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// scene.toml as docs/scene-format.md describes it, on its way into a Scene. World space is binary64; matrices are to-From, column vectors.
+// Reader of scene.toml (docs/scene-format.md). World space is binary64; matrices are to-From, column vectors.
 // Left-handed scenes keep their polygons as listed (clockwise seen from outside): the cross product (P1-P0)x(P2-P0)
 // points outward there just as for counter-clockwise lists in a right-handed world, so finishMesh serves both.
-// Internal to the reader: read_scene_toml.cpp goes through the file, a unit toml_*.cpp reads each of its parts.
+// Internal to the reader: read_scene_toml.cpp walks the file, a unit toml_*.cpp reads each of its parts.
 #pragma once
 
 #include "pipeline/scene/toml_values.h"
@@ -27,7 +27,7 @@ public:
     Scene read();
 
 private:
-    // Parts of the file.
+    // Readers of the parts of the file.
     void readSettings(const toml::table& root);
     void readRays(const toml::table& root);
     void readCamera(const toml::table& table);
@@ -55,16 +55,16 @@ private:
 
     struct Node {
         std::string name;
-        const toml::table* table;  // for places; lives as long as read()
+        const toml::table* table;  // for messages; lives as long as read()
         const toml::node* parentNamed = nullptr;
         int parent = -1;
-        uint32_t mesh = kNone;  // into scene_.meshes; kNone: a group
+        uint32_t mesh = kNone;  // index into scene_.meshes; kNone: a group
         uint32_t material = kNone;
         Placement parentFromNode;
         glm::dmat4 worldFromNode{1.0};
         int depth = 0;
         bool placed = false;
-        bool implied = false;  // an object for each mesh, in a file that states none
+        bool implied = false;  // one object for each mesh, in a file that states no object
     };
     uint32_t meshWithMaterial(uint32_t mesh, uint32_t material, const toml::table& place);
 
@@ -72,12 +72,12 @@ private:
     Scene scene_;
     std::map<std::string, uint32_t, std::less<>> materials_;  // "default" is material 0; a file may restate it once
     bool defaultStated_ = false;
-    std::map<std::string, uint32_t, std::less<>> meshes_;                      // into scene_.meshes
+    std::map<std::string, uint32_t, std::less<>> meshes_;                      // indices into scene_.meshes
     std::vector<std::string> meshNames_;                                       // in file order
     std::map<std::tuple<std::string, double, uint32_t>, uint32_t> meshFiles_;  // (file, crease, material): read once
     std::vector<Node> nodes_;
     std::map<std::string, int, std::less<>> nodeNames_;
-    std::map<std::pair<uint32_t, uint32_t>, uint32_t> recoloured_;  // (mesh, material): the copy
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> recoloured_;  // copy of a mesh by (mesh, material)
     uint64_t copiedTriangles_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Settings of the whole scene, choices of rays, the camera.
+// Settings of the whole scene, choices for rays, the camera.
 #include "pipeline/scene/toml_scene.h"
 
 #include "pipeline/scene/affine.h"
@@ -18,8 +18,8 @@ using glm::dvec3;
 namespace {
 
 constexpr uint32_t kMaxImageSide = 65536;
-constexpr int64_t kMaxRayDepth = 64;  // counters of rays are kept a depth
-constexpr double kMostJitter = 0.5;   // of a unit vector: no disturbed one is near 0
+constexpr int64_t kMaxRayDepth = 64;  // counters of rays are kept for each depth
+constexpr double kMostJitter = 0.5;   // share of a unit vector: no disturbed one is near 0
 
 }  // namespace
 
@@ -62,7 +62,7 @@ void SceneFile::readSettings(const toml::table& root) {
     }
 }
 
-// Where rays pass through a pixel, their noise, and whole levels.
+// Reads where rays pass through a pixel, their noise, and whole levels.
 void SceneFile::readRays(const toml::table& root) {
     if (const auto* node = root.get("sampling"))
         scene_.sampling = choiceOf<Sampling>(*node, "sampling",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Spheres and planes.
+// Spheres and planes of a scene.
 #include "pipeline/scene/toml_scene.h"
 
 #include "pipeline/scene/affine.h"
@@ -35,7 +35,7 @@ void SceneFile::readPlane(const toml::table& table) {
     if (const auto* node = table.get("name")) plane.name = stringOf(*node, "plane.name");
     plane.point = vectorOf(required(table, "point", "plane"), "plane.point");
     plane.normal = unitVector(axisOf(required(table, "normal", "plane"), "plane.normal"));
-    // The coordinate axis that is least along the normal, X first: Y = const has u = X and v = Z.
+    // Axis u: the coordinate axis that is least along the normal, X first. Y = const has u = X and v = Z.
     dvec3 u(1, 0, 0);
     const dvec3 n = plane.normal;
     if (std::abs(n.x) > std::abs(n.y) || std::abs(n.x) > std::abs(n.z))

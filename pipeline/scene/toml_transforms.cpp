@@ -16,7 +16,7 @@ namespace plumb::scene_file {
 using glm::dmat4;
 using glm::dvec3;
 
-// About an axis through a point (Rodrigues), or about the line through two points (the notes' seven matrices).
+// Reads a rotation: about an axis through a point (Rodrigues), or about the line through two points (the notes' seven matrices).
 SceneFile::Placement SceneFile::readRotate(const toml::node& node, const std::string& field) const {
     const toml::table& rotate = tableOf(node, field);
     allowKeys(rotate, field, {"axis", "degrees", "through", "from", "to"});
@@ -40,7 +40,7 @@ SceneFile::Placement SceneFile::readRotate(const toml::node& node, const std::st
     return {about(point, step.matrix), aboutSteps(point, step)};
 }
 
-// Where `about` is: a point, or "centre", the visual centre of the object's mesh as the transforms before this one leave it.
+// Centre of `about`: a point, or "centre", the visual centre of the object's mesh as the transforms before this one leave it.
 dvec3 SceneFile::centreOf(const toml::node& about, const std::string& field, uint32_t mesh, const dmat4& before) const {
     if (!about.is_string()) return vectorOf(about, field);
     const std::string word = stringOf(about, field);
@@ -98,7 +98,7 @@ SceneFile::Placement SceneFile::readTransform(const toml::table& table, const st
     return {about(point, step.matrix), aboutSteps(point, step)};
 }
 
-// In order of application: the first of the list acts on the object first.
+// Reads transforms in order of application: the first of the list acts on the object first.
 SceneFile::Placement SceneFile::readTransforms(const toml::node& node, const std::string& field, uint32_t mesh) const {
     Placement all;
     size_t i = 0;

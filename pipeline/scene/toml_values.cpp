@@ -16,8 +16,8 @@ using glm::dvec3;
 
 namespace {
 
-// A channel encoded as sRGB, 0 to 1, as linear light (IEC 61966-2-1): v^2.4 = v^2 (v^(1/5))^2, the root by Newton, again with
-// + - * / alone. From 1 the iteration falls monotonically to the root, 0.6 or more, in fewer than 32 steps.
+// Linear value of an encoded sRGB channel, both 0 to 1 (IEC 61966-2-1): v^2.4 = v^2 (v^(1/5))^2, the root by Newton, with + - * / only.
+// From 1 the iteration falls monotonically to the root, 0.6 or more, in fewer than 32 steps.
 float linearOfSrgb(double encoded) {
     if (encoded <= 0.04045) return float(encoded / 12.92);
     const double v = (encoded + 0.055) / 1.055;
@@ -47,7 +47,7 @@ const char* kindOf(const toml::node& node) {
     }
 }
 
-// toml++ limits nested values itself, but not the parts of a dotted key, and frees its tables recursively.
+// Refuses deep dotted keys. toml++ limits nested values itself, but not the parts of a dotted key, and frees its tables recursively.
 void TomlValues::refuseDeepKeys(std::string_view text) const {
     enum { bare, comment, basic, literal, basicBlock, literalBlock } state = bare;
     size_t line = 1, lineStart = 0;
@@ -151,7 +151,7 @@ double TomlValues::numberOf(const toml::node& node, const std::string& field) co
     return value->get();
 }
 
-// Six digits, or as many as it takes to be outside: 1000001 is not 1e+06.
+// Text of a number outside its range: six digits, or as many as it takes to be outside (1000001 is not 1e+06).
 static std::string numberOutside(double value, double least, double most) {
     const std::string text = fmt::format("{:g}", value);
     double shown = 0;
@@ -174,14 +174,14 @@ dvec3 TomlValues::vectorOf(const toml::node& node, const std::string& field) con
     return v;
 }
 
-// A direction: any length but zero.
+// Direction of any length but zero.
 dvec3 TomlValues::axisOf(const toml::node& node, const std::string& field) const {
     const dvec3 v = vectorOf(node, field);
     if (largestMagnitude(v) == 0) refuse(node, field + " is the zero vector");
     return v;
 }
 
-// Inks, { cmy = [c, m, y] } or { cmyk = [c, m, y, k] }: they leave (1 - C) (1 - K) of the encoded red, and so on.
+// Colour of inks, { cmy = [c, m, y] } or { cmyk = [c, m, y, k] }: they leave (1 - C) (1 - K) of the encoded red, and so on.
 glm::vec3 TomlValues::inkOf(const toml::table& table, const std::string& field) const {
     allowKeys(table, field, {"cmy", "cmyk"});
     const bool black = table.contains("cmyk");
@@ -198,7 +198,7 @@ glm::vec3 TomlValues::inkOf(const toml::table& table, const std::string& field) 
     return {linearOfSrgb(rgb.r), linearOfSrgb(rgb.g), linearOfSrgb(rgb.b)};
 }
 
-// One number for grey, three for linear RGB, "#rrggbb", which is sRGB as in every colour picker, or inks.
+// Colour: one number for grey, three for linear RGB, "#rrggbb" for sRGB as in every colour picker, or inks.
 glm::vec3 TomlValues::colourOf(const toml::node& node, const std::string& field, double most) const {
     if (const auto* text = node.as_string()) {
         const std::optional<Rgb8> rgb = rgbOfHex(text->get());

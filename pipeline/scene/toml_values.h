@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Values of a TOML file as scenes ask for them. Each is checked for kind and range; a refusal is Error(input), one line with file:line:column of the
-// value and the way to it, as in "object.transform[2].scale is 0". Internal to the reader of scene.toml.
+// Values of a scene.toml. Each is checked for kind and range. A refusal is Error(input), one line with file:line:column of the value and
+// the path to it, as in "object.transform[2].scale is 0". Internal to the reader of scene.toml.
 #pragma once
 
 #include "pipeline/scene/load.h"
@@ -20,9 +20,9 @@
 
 namespace plumb::scene_file {
 
-inline constexpr int kMaxDepth = 64;  // of keys and of object hierarchies: what recurses stays off the stack's end
+inline constexpr int kMaxDepth = 64;  // of keys and of object hierarchies, so that recursion does not overflow the stack
 
-// "; did you mean 'x'?" for a slip of the pen, else "; known: a, b, c".
+// Suggestion for an unknown word: "; did you mean 'x'?" for a slip of the pen, else "; known: a, b, c".
 template <class Names>
 std::string suggestion(std::string_view word, const Names& known) {
     std::string list;
@@ -42,7 +42,7 @@ std::string suggestion(std::string_view word, const Names& known) {
     return list.empty() ? std::string() : "; known: " + list;
 }
 
-// How a value of the file is called in a refusal: "a string", "an array", ...
+// Kind of a value in a refusal: "a string", "an array", ...
 const char* kindOf(const toml::node& node);
 
 class TomlValues {
@@ -52,7 +52,7 @@ public:
 protected:
     using Known = std::initializer_list<std::string_view>;
 
-    // Where, and refusals. A field is written as the way to it: "object.transform[2].scale".
+    // Places and refusals. A field is written as the path to it: "object.transform[2].scale".
     std::string place(const toml::source_region& region) const { return placeOfLine(path_, region.begin.line, region.begin.column); }
     std::string place(const toml::node& node) const { return place(node.source()); }
     [[noreturn]] void refuse(const toml::node& node, const std::string& text) const { throw inputError(place(node), text); }
@@ -60,7 +60,7 @@ protected:
     void allowKeys(const toml::table& table, std::string_view what, const Known& known) const;
     const toml::node& required(const toml::table& table, std::string_view key, const std::string& what) const;
 
-    // Values. Each refuses what is not of its kind or range, with the place of the value.
+    // Typed values. Each refuses a value of another kind or range, with its place.
     const toml::table& tableOf(const toml::node& node, const std::string& field) const;
     const toml::array& arrayOf(const toml::node& node, const std::string& field) const;
     std::string stringOf(const toml::node& node, const std::string& field) const;

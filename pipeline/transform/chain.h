@@ -14,11 +14,11 @@
 
 namespace plumb {
 
-// What was done, counted where it is done.
+// Operations, counted where they are done.
 struct ChainCounters {
     uint64_t products = 0;      // matrix * matrix
     uint64_t applications = 0;  // matrix * point
-    uint64_t equations = 0;     // coordinates computed by them: 2 a point in the plane, 3 in space
+    uint64_t equations = 0;     // coordinates computed by applications: 2 a point in the plane, 3 in space
 };
 
 template <class Matrix>
@@ -27,7 +27,7 @@ Matrix countedProduct(const Matrix& later, const Matrix& earlier, ChainCounters&
     return later * earlier;
 }
 
-// The matrices after each step; the last is the composite. n - 1 products, each waiting for the one before.
+// Matrices after each step; the last is the composite. n - 1 products, each waiting for the one before.
 template <class Matrix>
 std::vector<Matrix> productsOf(std::span<const Step<Matrix>> chain, ChainCounters& counters) {
     std::vector<Matrix> products;
@@ -37,16 +37,16 @@ std::vector<Matrix> productsOf(std::span<const Step<Matrix>> chain, ChainCounter
     return products;
 }
 
-// A node of the tree stands for the steps [first, last].
+// Node of the tree of products: it stands for the steps [first, last].
 template <class Matrix>
 struct TreeNode {
     size_t first, last;
     Matrix matrix;
-    bool product;  // false: carried over from the level below
+    bool product;  // false: taken over from the level below
 };
 
-// levels[0] are the pairs of the steps themselves; the last level has one node, the composite. The depth is levels.size() =
-// ceil(log2 n): all products of one level can be formed at once. A chain of one step has no level.
+// Levels of the tree. levels[0] are the pairs of the steps themselves; the last level has one node, the composite. The depth is
+// levels.size() = ceil(log2 n): all products of one level can be formed at once. A chain of one step has no level.
 template <class Matrix>
 std::vector<std::vector<TreeNode<Matrix>>> treeOf(std::span<const Step<Matrix>> chain, ChainCounters& counters) {
     std::vector<TreeNode<Matrix>> below;
@@ -66,7 +66,7 @@ std::vector<std::vector<TreeNode<Matrix>>> treeOf(std::span<const Step<Matrix>> 
     return levels;
 }
 
-// matrix * (point, 1) for each point.
+// Applies matrix * (point, 1) to each point.
 template <class Matrix, class Point>
 void apply(const Matrix& matrix, std::span<Point> points, ChainCounters& counters) {
     for (Point& point : points) {

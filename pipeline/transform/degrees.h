@@ -10,8 +10,8 @@ struct SineCosine {
     double sine, cosine;
 };
 
-// Exact at multiples of 90 degrees. Taylor's series on at most 45 degrees, where the first term left out is below
-// 2^-63 of the sum: only + - * / and remquo, which IEEE 754 defines exactly.
+// Sine and cosine, exact at multiples of 90 degrees. Taylor's series on at most 45 degrees, where the first term left out is below 2^-63 of
+// the sum: only + - * / and remquo, which IEEE 754 defines exactly.
 inline SineCosine sineCosineOfDegrees(double degrees) {
     int quadrant = 0;
     const double x = std::remquo(degrees, 90.0, &quadrant) * (3.14159265358979323846 / 180);

@@ -16,26 +16,26 @@
 
 namespace plumb {
 
-// Rows as they are written on paper.
+// Matrix from its rows, as they are written on paper.
 glm::dmat3 fromRows(const double (&rows)[9]);
 glm::dmat4 fromRows(const double (&rows)[16]);
 
 glm::dmat3 translation(const glm::dvec2& by);
 glm::dmat4 translation(const glm::dvec3& by);
 glm::dmat3 scaling(const glm::dvec2& factors);
-glm::dmat4 scaling(const glm::dvec3& factors);  // about the origin; a factor of 0 collapses, and has no inverse
+glm::dmat4 scaling(const glm::dvec3& factors);  // about the origin; a factor of 0 collapses and has no inverse
 
-glm::dmat3 rotation(double degrees);  // of the plane, about the origin
+glm::dmat3 rotation(double degrees);  // in the plane, about the origin
 glm::dmat4 rotationX(const SineCosine&);
 glm::dmat4 rotationY(const SineCosine&);
 glm::dmat4 rotationZ(const SineCosine&);
 inline glm::dmat4 rotationX(double degrees) { return rotationX(sineCosineOfDegrees(degrees)); }
 inline glm::dmat4 rotationY(double degrees) { return rotationY(sineCosineOfDegrees(degrees)); }
 inline glm::dmat4 rotationZ(double degrees) { return rotationZ(sineCosineOfDegrees(degrees)); }
-// Rodrigues' formula; `axis` is a unit vector from the origin. No axis is special, unlike in lineRotation().
+// Rotation by Rodrigues' formula; `axis` is a unit vector from the origin. No axis is special, unlike in lineRotation().
 glm::dmat4 rotation(const glm::dvec3& axis, double degrees);
 
-// T(point) * m * T(-point): `point` stays where it is (in-place rotation and scaling).
+// Transform T(point) * m * T(-point): `point` stays fixed (in-place rotation and scaling).
 glm::dmat3 about(const glm::dvec2& point, const glm::dmat3& m);
 glm::dmat4 about(const glm::dvec3& point, const glm::dmat4& m);
 
@@ -45,24 +45,25 @@ glm::dmat4 about(const glm::dvec3& point, const glm::dmat4& m);
 struct LineAngles {
     double a, b, c;          // to - from
     double s, length;        // hypot(b, c); |to - from|
-    SineCosine alpha, beta;  // of the X and Y rotations; alpha is 0 when the line is parallel to X
+    SineCosine alpha, beta;  // angles of the X and Y rotations; alpha is 0 when the line is parallel to X
 };
 std::optional<LineAngles> lineAngles(const glm::dvec3& from, const glm::dvec3& to);  // none: the points are the same
 std::optional<std::array<glm::dmat4, 7>> lineRotation(const glm::dvec3& from, const glm::dvec3& to, double degrees);
 
-// None: singular, or so nearly that entries of the inverse would overflow (kMinDeterminant).
+// Inverse of a matrix. None: singular, or so nearly that entries of the inverse would overflow (kMinDeterminant).
 std::optional<glm::dmat3> inverseOf(const glm::dmat3&);
 std::optional<glm::dmat4> inverseOf(const glm::dmat4&);
-// Normals need the inverse transpose of the upper 3x3: is there one?
+// True when the upper 3x3 has an inverse transpose, which normals need.
 bool hasInverse(const glm::dmat4&);
-// A 3x3 matrix scaled to a largest entry of 1 has an inverse with entries below 2^101 when its determinant is above this.
+// Least determinant for an inverse. A 3x3 matrix scaled to a largest entry of 1 has an inverse with entries below 2^101 when its
+// determinant is above this.
 inline constexpr double kMinDeterminant = 0x1p-100;
 
-// The notation point * matrix: the transpose.
+// Matrix in the notation point * matrix: the transpose.
 inline glm::dmat3 rowForm(const glm::dmat3& m) { return glm::transpose(m); }
 inline glm::dmat4 rowForm(const glm::dmat4& m) { return glm::transpose(m); }
 
-// The same transformation in coordinates with the Z axis reversed: from left-handed to right-handed and back.
+// Transformation in coordinates with the Z axis reversed: from left-handed to right-handed and back.
 glm::dmat4 withZReversed(const glm::dmat4&);
 
 // Centre of the bounding box, per axis; without overflow. `points` is not empty.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One elementary transform of a chain.
+// Elementary transform of a chain.
 #pragma once
 
 #include <string>

@@ -26,10 +26,10 @@ Step<Matrix> matrixStep(const Matrix& m) {
     return {"matrix", m};
 }
 
-// In place: T(-point), the step, T(point).
+// Steps of an in-place transform: T(-point), the step, T(point).
 std::vector<Step2> aboutSteps(const glm::dvec2& point, const Step2&);
 std::vector<Step3> aboutSteps(const glm::dvec3& point, const Step3&);
-// lineRotation() as seven steps; empty when the points are the same.
+// Steps of lineRotation(), seven; empty when the points are the same.
 std::vector<Step3> lineSteps(const glm::dvec3& from, const glm::dvec3& to, double degrees);
 
 }  // namespace plumb

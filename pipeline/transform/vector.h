@@ -11,14 +11,14 @@ namespace plumb {
 inline double largestMagnitude(const glm::dvec2& v) { return std::max(std::abs(v.x), std::abs(v.y)); }
 inline double largestMagnitude(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-// v / |v| without overflow or underflow of the squares. v is finite and not zero.
+// Unit vector v / |v| without overflow or underflow of the squares. v is finite and not zero.
 template <class Vector>
 Vector unitVector(const Vector& v) {
     const Vector scaled = v / largestMagnitude(v);
     return scaled / std::sqrt(glm::dot(scaled, scaled));
 }
 
-// |v|, likewise; 0 for the zero vector. The scale is a power of two, so scaling rounds nothing.
+// Length |v| without overflow or underflow of the squares; 0 for the zero vector. The scale is a power of two, so scaling rounds nothing.
 template <class Vector>
 double magnitude(const Vector& v) {
     const double largest = largestMagnitude(v);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sums, differences and products of binary64 numbers without any rounding: integers of any length times a power of two.
-// Slow; for the few decisions that binary64 with its bound leaves open. There is no bound on it, because there is no error.
+// Exact sums, differences and products of binary64 numbers: integers of any length times a power of two. Slow; for the few decisions that
+// binary64 with its bound leaves open. They need no bound, because there is no error.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +18,16 @@ public:
     friend Exact operator*(const Exact& a, const Exact& b);
     Exact negated() const;
     int sign() const { return limbs_.empty() ? 0 : negative_ ? -1 : 1; }
-    double rounded() const;  // to a few units in the last place; for tests and messages
+    double rounded() const;  // within a few units in the last place; for tests and messages
 
 private:
     static int compareMagnitude(const Exact& a, const Exact& b);
-    uint32_t limbAt(int64_t place) const;  // of 2^(32 place)
+    uint32_t limbAt(int64_t place) const;  // limb of weight 2^(32 place)
     void trim();
 
     bool negative_ = false;
-    int64_t lowest_ = 0;           // place of limbs_[0]
-    std::vector<uint32_t> limbs_;  // empty: 0; neither end is 0
+    int64_t lowest_ = 0;           // weight of limbs_[0], as in limbAt()
+    std::vector<uint32_t> limbs_;  // empty: 0; the first and the last limb are not 0
 };
 
 }  // namespace plumb::truth

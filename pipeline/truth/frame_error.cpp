@@ -31,7 +31,7 @@ public:
         if (values_.empty()) return {};
         figures_.mean = sum_ / double(count_);
         figures_.rms = std::sqrt(squares_ / double(count_));
-        // The least value that at least 99 % of the pixels do not exceed.
+        // Percentile: the least value that at least 99 % of the pixels do not exceed.
         const size_t rank = (values_.size() * 99 + 99) / 100 - 1;
         std::nth_element(values_.begin(), values_.begin() + ptrdiff_t(rank), values_.end());
         figures_.p99 = values_[rank];
@@ -46,7 +46,7 @@ private:
     uint64_t count_ = 0;
 };
 
-// What a stored byte means, as an sRGB code.
+// Code in sRGB of a stored byte.
 double codeOfByte(uint32_t byte, Encoding encoding) { return encoding == Encoding::srgb ? double(byte) : srgbCode(byte / 255.0); }
 
 }  // namespace

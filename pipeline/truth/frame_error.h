@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How far a picture is from the truth.
+// Error of a picture against the truth.
 #pragma once
 
 #include "pipeline/truth/truth.h"
@@ -10,32 +10,33 @@
 
 namespace plumb {
 
-// Over the pixels in which the picture or the truth shows something. Largest and percentile are of a pixel's largest channel; mean and root mean
-// square are over all channels, so that the mean is never above the other.
+// Error over the pixels in which the picture or the truth shows something. Largest value and percentile are of a pixel's largest channel.
+// Mean and root mean square are over all channels, so that the mean is never above the root mean square.
 struct ErrorFigures {
     double max = 0, mean = 0, rms = 0, p99 = 0;
-    uint32_t x = 0, y = 0;  // where the largest is first met
+    uint32_t x = 0, y = 0;  // pixel at which the largest value is first met
 };
 
 struct FrameError {
-    uint64_t pixels = 0;  // that show something in either
-    // Steps of the sRGB code (1/255 of full scale), whichever curve the picture is stored with, so that pictures with either curve compare.
+    uint64_t pixels = 0;  // pixels in which the picture or the truth shows something
+    // Errors in steps of the sRGB code (1/255 of full scale), whichever curve the picture is stored with, so that pictures of both curves
+    // compare.
     ErrorFigures picture;             // the bytes as they are stored, rounding to bytes included; alpha is a channel where it is stored
     ErrorFigures unrounded;           // the float32 colour through the same curve, before it becomes a byte; 0 pixels without kPlaneLinear
     ErrorFigures linear;              // the float32 colour in linear light, not clamped
     double depthRelative = 0;         // largest |w - truth| / truth where the same primitive is seen (kPlaneDepth)
-    uint64_t wrongPrimitive = 0;      // pixels in which another face is seen, or one where nothing is, or none where one is
-    uint32_t wrongX = 0, wrongY = 0;  // the first of them
+    uint64_t wrongPrimitive = 0;      // pixels that show another face than the truth, a face where it has none, or none where it has one
+    uint32_t wrongX = 0, wrongY = 0;  // the first such pixel
     double wrongShare() const { return pixels == 0 ? 0 : double(wrongPrimitive) / double(pixels); }
-    std::vector<float> unroundedPerPixel;  // of `unrounded`, in steps; the largest channel
-    std::vector<float> perPixel;           // of `picture`, in shares of full scale (1 = 255 steps), one a pixel
+    std::vector<float> unroundedPerPixel;  // `unrounded` of each pixel, in steps; the largest channel
+    std::vector<float> perPixel;           // `picture` of each pixel, in shares of full scale (1 = 255 steps)
 };
 
-// Whether a pixel counts: the picture or the truth shows something in it.
+// True when a pixel counts: the picture or the truth shows something in it.
 bool showsSomething(const Frame& frame, const Truth& truth, size_t at, bool transparent);
 
-// The frame needs kPlaneLinear, kPlaneDepth, kPlaneObject and kPlanePrimitive. Its samples need not be the truth's. A NaN or infinity in a drawn
-// pixel fails before any figure is taken: Error(failed), naming the first place.
+// Error of a frame that has kPlaneLinear, kPlaneDepth, kPlaneObject and kPlanePrimitive. Its samples need not be the truth's. A NaN or
+// infinity in a drawn pixel fails before any figure is taken: Error(failed), naming the first pixel.
 FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bool transparent);
 
 }  // namespace plumb

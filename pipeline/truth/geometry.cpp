@@ -13,13 +13,15 @@ namespace plumb::truth {
 namespace {
 
 constexpr double kUnit = 0x1p-53;  // u, unit round-off of binary64
-// The bounds below are first order in u and are themselves computed in binary64 with fewer than 2^20 operations.
+// Factor for second-order terms. The bounds below are first order in u and are themselves computed in binary64 with fewer than 2^20
+// operations.
 constexpr double kSecondOrder = 1.0 + 0x1p-20;
 
-// |x| + |error of x|: no smaller than the true magnitude.
+// Magnitude |x| + |error of x|: no smaller than the true magnitude.
 double reach(const Bounded& x) { return std::abs(x.value) + x.error; }
 
-// p q - r s. Each product is off by the errors of its factors and u of itself, the difference by u of it: 2 u of both products in all.
+// Difference p q - r s. Each product is off by the errors of its factors and u of itself, the difference by u of itself: 2 u of both
+// products in all.
 Bounded productDifference(const Bounded& p, const Bounded& q, const Bounded& r, const Bounded& s) {
     const double pq = reach(p) * reach(q), rs = reach(r) * reach(s);
     const double propagated = reach(p) * q.error + p.error * reach(q) + reach(r) * s.error + r.error * reach(s);
@@ -33,7 +35,7 @@ Cross cross(const Corner& p, const Corner& q) {
     return {productDifference(p.y, q.w, p.w, q.y), productDifference(p.w, q.x, p.x, q.w), productDifference(p.x, q.y, p.y, q.x)};
 }
 
-// p . n: three products (u each) and two additions.
+// Dot product p . n: three products (u each) and two additions.
 Bounded dotProduct(const Corner& p, const Cross& n) {
     const double sum = reach(p.x) * reach(n.a) + reach(p.y) * reach(n.b) + reach(p.w) * reach(n.c);
     const double propagated = reach(p.x) * n.a.error + p.x.error * reach(n.a) + reach(p.y) * n.b.error + p.y.error * reach(n.b) +
@@ -41,7 +43,7 @@ Bounded dotProduct(const Corner& p, const Cross& n) {
     return {p.x.value * n.a.value + p.y.value * n.b.value + p.w.value * n.c.value, (propagated + 3 * kUnit * sum) * kSecondOrder};
 }
 
-// Columns or rows whose sample may lie in [low, high] (centred coordinates).
+// Range of columns or rows whose sample may lie in [low, high] (centred coordinates).
 void sampleRange(double low, double high, double size, int& first, int& last) {
     first = int(std::clamp(std::floor(low + size / 2 - 0.5), -1.0, size));
     last = int(std::clamp(std::ceil(high + size / 2 - 0.5), -1.0, size));
@@ -69,7 +71,8 @@ Corner Geometry::corner(uint32_t object, uint32_t vertex) const {
     const Object& o = scene_.objects[object];
     const glm::dvec3 p = scene_.meshes[o.mesh].statedAt(vertex);
     Corner corner;
-    // World axes relative to the eye, each the sum of three products and one difference: 5 u of the sum of their magnitudes at most.
+    // Error on world axes relative to the eye: each coordinate is the sum of three products and one difference, 5 u of the sum of their
+    // magnitudes at most.
     glm::dvec3 magnitude;
     for (int j = 0; j < 3; ++j) {
         const double origin = o.worldFromObject[3][j] - pinhole_.eye[j];
@@ -81,7 +84,8 @@ Corner Geometry::corner(uint32_t object, uint32_t vertex) const {
         corner.fromEye[j] = sum;
         magnitude[j] = size;
     }
-    // Three products, two additions and the scale: 4 u more of |axis| . magnitude, which is no less than |axis| . |fromEye|.
+    // Error along a camera axis: three products, two additions and the scale are 4 u more of |axis| . magnitude, which is no less than
+    // |axis| . |fromEye|.
     const auto along = [&](const glm::dvec3& axis, double scale) {
         double sum = 0, size = 0;
         for (int j = 0; j < 3; ++j) {
@@ -145,7 +149,8 @@ void Geometry::add(uint32_t object, uint32_t index, bool mirrored) {
     Cross n[3];
     for (int i = 0; i < 3; ++i) n[i] = cross(*p[(i + 1) % 3], *p[(i + 2) % 3]);
     const Bounded volume = dotProduct(*p[0], n[0]);
-    // Camera axes are right-handed seen from the eye (right, down, forward), so a front that runs counter-clockwise has D < 0.
+    // Sign of the front. Camera axes are right-handed seen from the eye (right, down, forward), so a front that runs counter-clockwise has
+    // D < 0.
     int sign = volume.value > 0 ? 1 : -1;
     if (std::abs(volume.value) <= volume.error) {
         ++redone_;
@@ -166,7 +171,7 @@ void Geometry::add(uint32_t object, uint32_t index, bool mirrored) {
         t.a[i] = sign * n[i].a.value;
         t.b[i] = sign * n[i].b.value;
         t.c[i] = sign * n[i].c.value;
-        // |X| < halfX, |Y| < halfY; two products and two additions: 3 u of the sum of magnitudes.
+        // Error of E_i anywhere in the frame, |X| < halfX, |Y| < halfY: two products and two additions, 3 u of the sum of magnitudes.
         const double size = halfX * reach(n[i].a) + halfY * reach(n[i].b) + reach(n[i].c);
         t.error[i] = (halfX * n[i].a.error + halfY * n[i].b.error + n[i].c.error + 3 * kUnit * size) * kSecondOrder;
         total[0] += t.a[i];
@@ -178,12 +183,14 @@ void Geometry::add(uint32_t object, uint32_t index, bool mirrored) {
     t.sa = total[0] / depth;
     t.sb = total[1] / depth;
     t.sc = total[2] / depth;
-    // S / D: the error of S over the least |D|, that of D times the largest quotient, and 4 u for division, products and additions.
+    // Error of S / D: the error of S over the least |D|, that of D times the largest quotient, and 4 u for division, products and
+    // additions.
     const double largest = halfX * std::abs(t.sa) + halfY * std::abs(t.sb) + std::abs(t.sc);
     t.inverseError = least > 0 ? (totalError / least + largest * (volume.error / least + 4 * kUnit)) * kSecondOrder : INFINITY;
     if (!std::isfinite(t.inverseError)) t.inverseError = INFINITY;
 
-    // Where it may be seen: its corners, or, when it crosses the near plane, what is left of it there, by a sample more than the corners' errors.
+    // Box of the samples that the triangle may cover: its corners, or the polygon that the near plane leaves of it, widened by one sample
+    // more than the corners' errors.
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     const auto widen = [&](double x, double y, double w, const Corner& by) {
         const double px = x / w, py = y / w;
@@ -191,7 +198,7 @@ void Geometry::add(uint32_t object, uint32_t index, bool mirrored) {
         low[0] = std::min(low[0], px - slack), high[0] = std::max(high[0], px + slack);
         low[1] = std::min(low[1], py - slack), high[1] = std::max(high[1], py + slack);
     };
-    const double front = near / 2;  // a plane in front of the near one: rounding does not bring the cut past it
+    const double front = near / 2;  // a plane in front of the near plane: rounding does not bring the cut past that
     bool everywhere = false;
     for (int i = 0; i < 3; ++i) {
         const Corner &q = *p[i], &r = *p[(i + 1) % 3];

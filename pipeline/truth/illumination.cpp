@@ -15,7 +15,7 @@ namespace {
 double lengthOf(const glm::dvec3& v) { return std::hypot(v.x, v.y, v.z); }
 double along(const glm::dvec3& a, const glm::dvec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// 0 for the zero vector.
+// Unit vector; 0 for the zero vector.
 glm::dvec3 unit(const glm::dvec3& v) {
     const double length = lengthOf(v);
     return length > 0 ? v / length : glm::dvec3(0);
@@ -34,7 +34,7 @@ Illumination::Illumination(const Scene& scene, const Geometry& geometry) : scene
         lamps_.push_back(lamp);
     }
     for (const Object& object : scene.objects) {
-        // Cofactors over the determinant's sign: the inverse transpose up to a positive factor.
+        // Inverse transpose up to a positive factor: cofactors times the determinant's sign.
         glm::dmat3 m(object.worldFromObject), n;
         double largest = 0;
         for (int c = 0; c < 3; ++c)
@@ -55,7 +55,7 @@ Illumination::Seen Illumination::at(uint32_t index, double x, double y) const {
     const TriangleMesh& mesh = scene_.meshes[scene_.objects[t.object].mesh];
     double weight[3], sum = 0;
     for (int i = 0; i < 3; ++i) {
-        weight[i] = std::max(0.0, t.a[i] * x + t.b[i] * y + t.c[i]);  // not below 0 where the sample lies on an edge
+        weight[i] = std::max(0.0, t.a[i] * x + t.b[i] * y + t.c[i]);  // a sample on an edge must not get a negative weight
         sum += weight[i];
     }
     glm::dvec3 normal(0), position(0);

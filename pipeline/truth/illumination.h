@@ -19,18 +19,18 @@ public:
         glm::dvec3 colour{0};  // linear RGB, not clamped
         double w = 0;          // planar depth, scene units
     };
-    // Of visible triangle `index` at sample (X, Y): position and normal are interpolated in perspective.
+    // Surface of visible triangle `index` at sample (X, Y): position and normal are interpolated in perspective.
     Seen at(uint32_t index, double x, double y) const;
-    // Linear RGB, not clamped, of a surface of the scene's material `material`. World axes: `position` relative to the eye, unit normal `n`, unit vector
-    // `v` toward the viewer.
+    // Linear RGB, not clamped, of a surface of the scene's material `material`. World axes: `position` relative to the eye, unit normal
+    // `n`, unit vector `v` toward the viewer.
     glm::dvec3 colourOf(uint32_t material, const glm::dvec3& position, const glm::dvec3& n, const glm::dvec3& v) const;
 
 private:
     struct Lamp {
         bool directional = true;
-        glm::dvec3 place{0};  // unit vector toward it, or position relative to the eye
+        glm::dvec3 place{0};  // unit vector toward the light, or its position relative to the eye
         glm::dvec3 intensity{0};
-        int power = 0;  // of 1 / d
+        int power = 0;  // exponent of 1 / d
     };
 
     const Scene& scene_;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr uint32_t kLeafFacets = 4;
 
-// The inverse transpose of the object's matrix up to a positive factor: its cofactors, with the sign of its determinant.
+// Inverse transpose of the object's matrix up to a positive factor: cofactors, with the sign of the determinant.
 template <class Real>
 void normalMatrix(const glm::dmat4& m, Vec3<Real> (&columns)[3], bool& mirrored) {
     const Vec3<Real> a{glm::dvec3(m[0])}, b{glm::dvec3(m[1])}, c{glm::dvec3(m[2])};
@@ -58,14 +58,15 @@ Facet<Real> RayWorld::facetIn(uint32_t i) const {
         const Vec3<Real> smooth = normals[0] * Real(n.x) + normals[1] * Real(n.y) + normals[2] * Real(n.z);
         f.smooth[k] = along(smooth, smooth) > 0 ? unitOf(smooth) : smooth;
     }
-    // Four products and three sums an axis, each within u of `size`: 6 u, in space at most sqrt(3) of that.
+    // Error of a corner: four products and three sums an axis, each within u of `size`, are 6 u an axis and in space at most sqrt(3) of
+    // that.
     f.cornerError = 12 * kUnitOf<Real> * size;
     const Vec3<Real> ab = f.corner[1] - f.corner[0], ac = f.corner[2] - f.corner[0], area = across(ab, ac);
     const double twice = double(lengthOf(area));
     edge = double(lengthOf(ab)) + double(lengthOf(ac));
     f.normal = twice > 0 ? area * (1 / lengthOf(area)) : Vec3<Real>(0, 0, 1);
     if (mirrored) f.normal = -f.normal;
-    // A corner moved by e turns the normal by e times an edge over twice the area; the rest is the product's own rounding.
+    // Error of the normal. A corner moved by e turns it by e times an edge over twice the area; the rest is the product's own rounding.
     f.normalError = twice > 0 ? (4 * f.cornerError * edge + 8 * kUnitOf<Real> * edge * edge) / twice + 4 * kUnitOf<Real> : 1;
     return f;
 }
@@ -93,7 +94,7 @@ RayWorld::RayWorld(const Scene& scene) : scene_(scene) {
     const glm::dvec3 eye = scene.camera->eye;
     for (const Light& light : scene.lights) {
         std::vector<bool> planes(scene.planes.size()), meshes(places_.size());
-        // 2^-100: a few hundred roundings of binary128.
+        // Bound 2^-100: a few hundred roundings of binary128.
         if (light.directional) {
             for (size_t i = 0; i < scene.planes.size(); ++i)
                 planes[i] = std::abs(double(along(Vec3<Quad>(scene.planes[i].normal), unitOf(Vec3<Quad>(light.direction))))) <= 0x1p-100;
@@ -118,7 +119,7 @@ RayWorld::RayWorld(const Scene& scene) : scene_(scene) {
     }
 }
 
-// Halves by the middle along the longest side of the box of middles; a node before its children.
+// Builds the BVH by halves, along the longest side of the box of middles; a node stands before its children.
 uint32_t RayWorld::split(uint32_t first, uint32_t last) {
     const auto at = uint32_t(nodes_.size());
     nodes_.emplace_back();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the truth's rays meet: places relative to the eye in binary64, or computed again in binary128 from the scene's own numbers.
+// World of the truth's rays: positions relative to the eye in binary64, or computed again in binary128 from the scene's own numbers.
 #pragma once
 
 #include "pipeline/scene/ray_shares.h"
@@ -27,25 +27,26 @@ public:
     explicit RayWorld(const Scene& scene);
 
     struct Place {
-        uint32_t object = 0, triangle = 0;  // of the scene; of the object's mesh
+        uint32_t object = 0, triangle = 0;  // object of the scene; triangle of its mesh
     };
 
     const Scene& scene() const { return scene_; }
     uint32_t facets() const { return uint32_t(places_.size()); }
     const Place& placeOf(uint32_t facet) const { return places_[facet]; }
     const Facet<double>& facet(uint32_t i) const { return facets_[i]; }
-    // Computed again from the scene's numbers: long double, Quad.
+    // Facet computed again from the scene's numbers: long double, Quad.
     template <class Real>
     Facet<Real> facetIn(uint32_t i) const;
     const Material& material(uint32_t i) const { return scene_.materials[i]; }
     uint32_t materialOfFacet(uint32_t i) const;
     const RayShares& shares(uint32_t material) const { return shares_[material]; }
-    // Whether point light `light` lies on the facet, or in the plane, or a directional one shines along the plane: nothing at a light casts a shadow, no plane
-    // does along itself, and no rounding shall make them do so.
+    // True when point light `light` lies on the facet, or light `light` lies in or shines along the plane. Nothing at a light casts a
+    // shadow, and no plane does along itself; no rounding may change that.
     bool lightLiesOn(uint32_t light, uint32_t facet) const { return lightOnFacet_[light][facet]; }
     bool lightIsAlong(uint32_t light, uint32_t plane) const { return lightOnPlane_[light][plane]; }
-    // How bright a ray is at most, for what hangs on a decision: the sky, or any material in all the light that there is. A light that fades with distance
-    // counts as from its distance to the nearest surface, or from 2^-10 of the scene where it touches one.
+    // Upper bound of a ray's brightness, for the colour that depends on a decision: the sky, or any material in all the light that there
+    // is. A light that fades with distance counts as from its distance to the nearest surface, or from 2^-10 of the scene where it touches
+    // one.
     double brightness(const glm::dvec3& sky) const;
 
     // Calls visit(facet) for every facet whose box, widened by `pad`, the ray may meet before longest().
@@ -67,7 +68,7 @@ private:
     std::vector<RayShares> shares_;
     std::vector<Node> nodes_;
     std::vector<uint32_t> order_;
-    std::vector<glm::dvec3> middles_;  // while the tree is made
+    std::vector<glm::dvec3> middles_;  // while the BVH is built
     std::vector<std::vector<bool>> lightOnPlane_, lightOnFacet_;
     double reach_ = 0;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One text for three precisions: vectors of binary64; where that with its bound leaves a decision open, of the 64 bits of x87; then of binary128.
+// Vectors for three precisions: binary64; where that with its bound leaves a decision open, the 64 bits of x87; then binary128.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@ namespace plumb::truth {
 
 __extension__ typedef __float128 Quad;  // NOLINT(modernize-use-using): the keyword is the compiler's own
 
-// Unit round-off.
+// Unit round-off of a type.
 template <class Real>
 inline constexpr double kUnitOf = 0x1p-53;
 template <>
@@ -19,13 +19,13 @@ inline constexpr double kUnitOf<Quad> = 0x1p-113;
 
 inline double rootOf(double x) { return std::sqrt(x); }
 inline long double rootOf(long double x) { return std::sqrt(x); }
-// A step of Newton's from 64 bits: within 2 u of binary128. x >= 0 and within the range of binary64.
+// Square root: one Newton step from 64 bits, within 2 u of binary128. x >= 0 and within the range of binary64.
 inline Quad rootOf(Quad x) {
     if (!(x > 0)) return 0;
     const Quad seed = std::sqrt(static_cast<long double>(x));
     return (seed + x / seed) / 2;
 }
-// |x| below 2^1000.
+// Floor for |x| below 2^1000.
 inline double floorOf(double x) { return std::floor(x); }
 inline long double floorOf(long double x) { return std::floor(x); }
 inline Quad floorOf(Quad x) {
@@ -61,7 +61,7 @@ template <class Real>
 Real lengthOf(const Vec3<Real>& v) {
     return rootOf(along(v, v));
 }
-// Not zero.
+// Unit vector along v, which is not zero.
 template <class Real>
 Vec3<Real> unitOf(const Vec3<Real>& v) {
     return v * (1 / lengthOf(v));

@@ -10,7 +10,7 @@ namespace plumb::truth {
 namespace {
 
 constexpr double kUnit = 0x1p-53;  // u, unit round-off of binary64
-// The bounds below are first order in u and are themselves computed with a few roundings.
+// Factor for second-order terms. The bounds below are first order in u and are themselves computed with a few roundings.
 constexpr double kSecondOrder = 1.0 + 0x1p-20;
 
 }  // namespace
@@ -25,13 +25,14 @@ Exact SphereTruth::exactRest(uint32_t sphere, double x, double y) const {
 bool SphereTruth::covers(Front& front, double x, double y) {
     const SphereShape& s = scene_.spheres[front.sphere];
     const glm::dvec3& eye = scene_.camera->eye;
-    // x + eye and the difference: u of the sum and of the result, in all at most 2 u of `size`; squared, 4 u of size * |d| and u of the square.
+    // Error of x + eye - centre: u of the sum and of the result, in all at most 2 u of `size`; squared, 4 u of size * |d| and u of the
+    // square.
     const double dx = x + eye.x - s.centre.x, dy = -y + eye.y - s.centre.y;
     const double sizeX = std::abs(x) + std::abs(eye.x) + std::abs(s.centre.x), sizeY = std::abs(y) + std::abs(eye.y) + std::abs(s.centre.y);
     const double squares = s.radius * s.radius + dx * dx + dy * dy;
     front.rest = s.radius * s.radius - dx * dx - dy * dy;
     const double moved = 2 * kUnit * sizeX, movedY = 2 * kUnit * sizeY;
-    // A square and two differences: 3 u of the squares.
+    // Error of a square and two differences: 3 u of the squares.
     front.restError =
         (2 * std::abs(dx) * moved + moved * moved + 2 * std::abs(dy) * movedY + movedY * movedY + 3 * kUnit * squares) * kSecondOrder;
     if (std::abs(front.rest) > front.restError) {
@@ -45,24 +46,27 @@ bool SphereTruth::covers(Front& front, double x, double y) {
     }
     const double root = std::sqrt(front.rest), away = s.centre.z - eye.z;
     front.depth = away - root;
-    // |sqrt(a) - sqrt(b)| <= |a - b| / sqrt(a), and never more than sqrt(|a - b|); a rounding each of the root and of the two differences.
+    // Error of the depth. |sqrt(a) - sqrt(b)| <= |a - b| / sqrt(a), and never more than sqrt(|a - b|); a rounding each of the root and of
+    // the two differences.
     const double rootError = root > 0 ? std::min(std::sqrt(front.restError), front.restError / root) : std::sqrt(front.restError);
     front.depthError =
         (rootError + kUnit * (root + std::abs(s.centre.z) + std::abs(eye.z) + std::abs(away) + std::abs(front.depth))) * kSecondOrder;
     return true;
 }
 
-// Is a's front before b's? With A and B the two rests and D = b's centre - a's: A's front is nearer where D + sqrt(A) - sqrt(B) > 0.
+// True when a's front is before b's. With A and B the two rests and D = b's centre - a's, A's front is nearer where D + sqrt(A) - sqrt(B) >
+// 0.
 bool SphereTruth::nearer(const Front& a, const Front& b, double x, double y) {
     if (std::abs(a.depth - b.depth) > (a.depthError + b.depthError) * kSecondOrder) return a.depth < b.depth;
     ++redone_;
     const Exact restA = exactRest(a.sphere, x, y), restB = exactRest(b.sphere, x, y);
     const Exact away = Exact(scene_.spheres[b.sphere].centre.z) - Exact(scene_.spheres[a.sphere].centre.z);
-    const int roots = (restA - restB).sign();  // of sqrt(A) - sqrt(B)
+    const int roots = (restA - restB).sign();  // sign of sqrt(A) - sqrt(B)
     if (away.sign() == 0 || roots == 0 || away.sign() == roots) return away.sign() + roots > 0;
-    // Opposite signs: |D| against |sqrt(A) - sqrt(B)|, squared: D^2 against A + B - 2 sqrt(A B), so 2 sqrt(A B) against T = A + B - D^2.
+    // Opposite signs: |D| is compared with |sqrt(A) - sqrt(B)| by squares, D^2 with A + B - 2 sqrt(A B), so 2 sqrt(A B) with T = A + B -
+    // D^2.
     const Exact t = restA + restB - away * away;
-    const int gap = t.sign() < 0 ? 1 : (Exact(4) * restA * restB - t * t).sign();  // of |D| - |sqrt(A) - sqrt(B)|
+    const int gap = t.sign() < 0 ? 1 : (Exact(4) * restA * restB - t * t).sign();  // sign of |D| - |sqrt(A) - sqrt(B)|
     return gap > 0 ? away.sign() > 0 : gap < 0 && roots > 0;
 }
 

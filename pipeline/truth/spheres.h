@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The truth of the implicit sphere rendering (--fill notes, 16.5 of the notes), in binary64 and from the scene: along +Z, a unit a pixel, (x, y) is on a
-// sphere where x^2 + y^2 <= r^2 from its centre, z = sqrt(r^2 - x^2 - y^2) toward the viewer, (x, y, z) the normal, and the nearest sphere is seen, of
-// equal depths the first. Neither centre nor radius nor z is rounded to whole numbers. Whether a point is on a sphere and which of two is nearer is
-// decided without rounding where the bound of binary64 leaves it open; there is no undecided case.
+// Truth of the implicit sphere rendering (--fill notes, 16.5 of the notes), in binary64 and from the scene. Along +Z, a unit a pixel, (x,
+// y) is on a sphere where x^2 + y^2 <= r^2 from its centre; z = sqrt(r^2 - x^2 - y^2) toward the viewer; (x, y, z) is the normal. The
+// nearest sphere is seen, of equal depths the first. Neither centre nor radius nor z is rounded to whole numbers.
+// Whether a point is on a sphere and which of two is nearer is decided without rounding where the bound of binary64 leaves it open, so
+// there is no undecided case.
 #pragma once
 
 #include "pipeline/scene/scene.h"
@@ -15,7 +16,7 @@
 
 namespace plumb::truth {
 
-// For one thread. Of the scene: spheres, and a camera that looks along +Z with +X to the right.
+// Truth for one thread. Reads the scene's spheres, and a camera that looks along +Z with +X to the right.
 class SphereTruth {
 public:
     SphereTruth(const Scene& scene, const Illumination& illumination) : scene_(scene), illumination_(illumination) {}
@@ -25,12 +26,12 @@ public:
         double depth = 0;      // from the eye along +Z, scene units
         glm::dvec3 colour{0};  // linear RGB, not clamped
     };
-    // At (x, y) of the screen from its middle, in pixels, y downward: multiples of 2^-10 of magnitude below 2^20.
+    // Sample at (x, y) of the screen from its middle, in pixels, y downward: multiples of 2^-10 of magnitude below 2^20.
     Seen look(double x, double y);
     uint64_t redone() const { return redone_; }
 
 private:
-    // r^2 - x^2 - y^2 at the point, and the least z of the sphere's front (from the eye) there.
+    // Front of a sphere at a point. rest: r^2 - x^2 - y^2 there. depth: least z of the front there, from the eye. Each has a bound of its error.
     struct Front {
         uint32_t sphere = kNone;
         double rest = 0, restError = 0, depth = 0, depthError = 0;

@@ -30,7 +30,7 @@ using truth::Triangle;
 
 constexpr uint32_t kBandRows = 8;  // pixels
 
-// One band of pixel rows: what each sample sees, then its colour.
+// Band of pixel rows: the visible triangle of each sample, then its colour.
 class Band {
 public:
     Band(const Scene& scene, const RenderRequest& request, const Geometry& geometry, const Illumination& illumination, uint32_t side,
@@ -89,7 +89,7 @@ private:
     Judge judge_;
     const uint32_t side_;
     Truth& out_;
-    std::vector<uint32_t> seen_;  // of each sample: index into geometry_.triangles()
+    std::vector<uint32_t> seen_;  // visible triangle of each sample: index into geometry_.triangles()
 };
 
 }  // namespace
@@ -103,7 +103,7 @@ namespace {
 
 uint32_t sideOf(uint32_t samples) { return samples == 16 ? 4 : samples == 4 ? 2 : 1; }
 
-// Bands of pixel rows, by all threads; make() makes a thread's worker, which has draw(first row, rows) and addTo(out).
+// Draws bands of pixel rows on all threads. make() makes a thread's worker, which has draw(first row, rows) and addTo(out).
 template <class Make>
 void drawBands(const RenderRequest& request, Truth& out, const Make& make) {
     const uint32_t bands = (out.height + kBandRows - 1) / kBandRows;
@@ -116,7 +116,7 @@ void drawBands(const RenderRequest& request, Truth& out, const Make& make) {
     };
     const auto work = [&](bool reports) {
         try {
-            if (reports) report(finished);  // the others may take all bands before this thread gets one
+            if (reports) report(finished);  // other threads may take all bands before this one gets any
             auto band = make();
             for (uint32_t b; !stop && (b = next.fetch_add(1)) < bands;) {
                 band.draw(b * kBandRows, std::min(kBandRows, out.height - b * kBandRows));
@@ -140,7 +140,7 @@ void drawBands(const RenderRequest& request, Truth& out, const Make& make) {
     if (failure) std::rethrow_exception(failure);
 }
 
-// Where rays pass through a pixel, from its upper left corner, in pixels; `anchor` is the one that the planes hold.
+// Positions at which rays pass through a pixel, from its upper left corner, in pixels. `anchor` is the one that the planes hold.
 struct Placement {
     std::vector<glm::dvec2> at;
     glm::dvec2 anchor{0};
@@ -175,7 +175,7 @@ Placement placementOf(const RenderRequest& request) {
     return p;
 }
 
-// What is seen along one ray or at one point.
+// Result along one ray or at one point.
 struct Sample {
     glm::dvec3 colour{0};  // linear RGB, not clamped; the sky's where nothing is seen
     uint32_t object = kNone, primitive = kNone;
@@ -183,7 +183,7 @@ struct Sample {
     double leftOut = 0;       // weights of rays that were not followed
 };
 
-// Glass among glass makes trees without end: a picture has so many rays, whatever it is of.
+// Most rays of a picture, whatever it shows: glass among glass makes trees without end.
 constexpr double kMostRaysOfPicture = 0x1p29;
 truth::RayLimits limitsOf(const RenderRequest& request, const Placement& placement) {
     truth::RayLimits limits;
@@ -192,13 +192,13 @@ truth::RayLimits limitsOf(const RenderRequest& request, const Placement& placeme
     return limits;
 }
 
-// What the samples of a picture see, for one thread.
+// Samples of a picture by rays, for one thread.
 class RayLooker {
 public:
     RayLooker(const truth::RayWorld& world, const Pinhole& pinhole, const RenderRequest& request, const Placement& placement)
         : pinhole_(pinhole), rays_(world, pinhole, glm::dvec3(request.background), limitsOf(request, placement)) {}
 
-    // (x, y) of the screen from its middle, in pixels.
+    // Sample at (x, y) of the screen from its middle, in pixels.
     Sample look(double x, double y) {
         const truth::RaySeen seen = rays_.look(x, y);
         return {seen.colour, seen.object, seen.primitive,
@@ -232,7 +232,7 @@ private:
     truth::SphereTruth spheres_;
 };
 
-// One band of a picture whose samples see by themselves.
+// Band of a picture whose samples are looked up one by one.
 template <class Looker>
 class SampleBand {
 public:
@@ -288,7 +288,8 @@ private:
     double leftOut_ = 0;
 };
 
-// The polygon fill of the notes stands at whole coordinates: pixel (x, y) is the point (x, y) of the screen, and samples lie around it.
+// Positions for the polygon fill of the notes, which stands at whole coordinates: pixel (x, y) is the point (x, y) of the screen, and
+// samples lie around it.
 Placement aroundWholeCoordinates(uint32_t samples) {
     Placement p;
     const uint32_t side = sideOf(samples);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The truth of a picture, for every error figure: what the most accurate choice of every knob would give, in binary64 (docs/accuracy.md). Per-pixel
-// Phong, perspective, exact specular power, vertices not snapped; which triangle is seen is decided without rounding wherever binary64 leaves it
-// open. It shares no function with the passes: of render/ it takes the types of a request and of a frame, nothing that computes.
+// Truth of a picture, for every error figure: what the most accurate choice of every knob would give, in binary64 (docs/accuracy.md).
+// Per-pixel Phong, perspective, exact specular power, vertices not snapped. The visible triangle is decided without rounding wherever
+// binary64 leaves it open. It shares no function with the passes: from render/ it takes the types of a request and of a frame, nothing that
+// computes.
 #pragma once
 
 #include "pipeline/render/render.h"
@@ -13,29 +14,33 @@ namespace plumb {
 
 struct Truth {
     uint32_t width = 0, height = 0, samples = 1;
-    bool traced = false;  // of rays
-    // Conventions of docs/outputs.md. Linear colour is the mean of the samples (with a transparent background: of those covered), not clamped.
+    bool traced = false;  // by rays
+    // Planes by the conventions of docs/outputs.md. Linear colour is the mean of the samples (with a transparent background: of the covered
+    // ones), not clamped.
     std::vector<double> linear;  // 3 a pixel
     std::vector<double> alpha;   // share of the samples that is covered
-    // Of the sample that stands for the pixel.
+    // Planes of the sample that stands for the pixel.
     std::vector<double> depth;                // planar, scene units; +infinity where nothing is seen
     std::vector<uint32_t> object, primitive;  // kNone where nothing is seen
-    uint64_t redone = 0;     // decisions that binary64 left open, decided without rounding; of rays: samples followed again in more bits
-    uint64_t undecided = 0;  // of rays: decisions that binary128 leaves open, such as exact ties
-    double leftOut = 0;      // of rays: the largest share of a pixel's weight whose rays were not followed
+    // decisions that binary64 left open and that were decided without rounding; with rays: samples traced again in more bits
+    uint64_t redone = 0;
+    uint64_t undecided = 0;  // with rays: decisions that binary128 leaves open, such as exact ties
+    double leftOut = 0;      // with rays: the largest share of a pixel's weight whose rays were not followed
     double timeMs = 0;
 };
 
-// Of `request`: size, samples, background, transparent, threads, fill (notes: sample (x, y) of a picture with `drawnSamples` a pixel stands for the point
-// (x, y) of the screen, and the truth's samples lie around it; 0: as many as the truth's)
-// and onProgress (called by one thread; false cancels: Error(interrupted)). Its shading
-// changes nothing, since the truth is Phong's. Spheres that --fill notes draws have a truth of their own (spheres.h), in parallel projection. A wire frame has no truth here: Error(usage).
-// Shading::ray has a truth of its own (rays.h): 64 rays deep and to a weight of 2^-20 (more in a tree of thousands: leftOut) whatever the request's depth and cutoff, colours without noise and without cutting
-// to levels. Of its rays it takes where they pass through a pixel: grid (also for random places and for adaptive, whose finest is 16), the pixel's middle, its four corners
-// (their mean), or the notes' corner. Several samples are then those of RayChoices, and the planes hold the sample that the picture's planes hold.
+// Truth of a scene. From `request` it takes size, samples, background, transparent, threads, fill, and onProgress (called by one thread;
+// false cancels: Error(interrupted)). The request's shading changes nothing, since the truth is Phong's. A wire frame has no truth here:
+// Error(usage).
+// --fill notes: sample (x, y) of a picture with `drawnSamples` a pixel stands for the point (x, y) of the screen, and the truth's samples
+// lie around it; 0: as many as the truth's. Spheres that --fill notes draws have a truth of their own (spheres.h), in parallel projection.
+// Shading::ray has a truth of its own (rays.h): 64 rays deep and to a weight of 2^-20 (more in a tree of thousands: leftOut), whatever the
+// request's depth and cutoff, colours without noise and without cutting to levels. From the request's rays it takes where they pass through
+// a pixel: grid (also for random positions and for adaptive, whose finest is 16), the pixel's middle, its four corners (their mean), or the
+// notes' corner. Several samples are then those of RayChoices, and the planes hold the sample that the picture's planes hold.
 Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples = 0);
 
-// 0 to 255, not rounded: IEC 61966-2-1 of the value clamped to [0, 1].
+// Code 0 to 255, not rounded: IEC 61966-2-1 of the value clamped to [0, 1].
 double srgbCode(double linear);
 
 }  // namespace plumb
