@@ -18,19 +18,27 @@ PYTHON = re.compile(r"^class (\w+)\([\w.]+\)|^    def (test_\w+)\(", re.M)
 LOOP = re.compile(r"foreach\((\w+) ([^)]*)\)(.*?)endforeach", re.S)
 
 
-def files_run_by(text):
-    """Words of a CMakeLists.txt that may be names of files, plain loops unrolled."""
+PASSES = re.compile(r"^plumb_add_pass\((\w+)\)", re.M)
+
+
+def files_run_by(text, passes=()):
+    """Words of a CMakeLists.txt that may be names of files, plain loops and those over all passes unrolled."""
+    text = text.replace("${passes}", " ".join(passes))
     text = LOOP.sub(lambda m: "".join(m.group(3).replace("${" + m.group(1) + "}", word) for word in m.group(2).split()), re.sub(r"#.*", "", text))
     return set(re.findall(r"[\w.]+", text))
 
 
 def tests_of(root):
-    names = set()
+    names, passes = set(), []
+    listed = os.path.join(root, "pipeline", "passes", "CMakeLists.txt")
+    if os.path.exists(listed):
+        with open(listed, encoding="utf-8") as f:
+            passes = PASSES.findall(f.read())
     for folder, _, files in os.walk(os.path.join(root, "tests")):
         if "CMakeLists.txt" not in files:
             continue
         with open(os.path.join(folder, "CMakeLists.txt"), encoding="utf-8") as f:
-            run = files_run_by(f.read())
+            run = files_run_by(f.read(), passes)
         for file in files:
             if not file.endswith((".cpp", ".py")) or file not in run:
                 continue
@@ -83,11 +91,14 @@ def self_test():
     # A test that no CMakeLists.txt runs is none.
     with tempfile.TemporaryDirectory() as root:
         os.makedirs(os.path.join(root, "tests", "unit"))
-        for name, text in {"CMakeLists.txt": "# idle_test.cpp\nforeach(x a c)\n  plumb_test(${x}_test SOURCES ${x}_test.cpp)\nendforeach()\nadd_test(COMMAND b_test.py)\n", "a_test.cpp": "TEST(A, b) {\n", "idle_test.cpp": "TEST(Idle, b) {\n",
+        os.makedirs(os.path.join(root, "pipeline", "passes"))
+        with open(os.path.join(root, "pipeline", "passes", "CMakeLists.txt"), "w", encoding="utf-8") as f:
+            f.write("function(plumb_add_pass stem)\nplumb_add_pass(fill)  # all\n")
+        for name, text in {"CMakeLists.txt": "# idle_test.cpp\nforeach(x a c)\n  plumb_test(${x}_test SOURCES ${x}_test.cpp)\nendforeach()\nforeach(pass ${passes})\n  plumb_test(${pass}_test SOURCES ${pass}_test.cpp)\nendforeach()\nadd_test(COMMAND b_test.py)\n", "fill_test.cpp": "TEST(Fill, c) {\n", "a_test.cpp": "TEST(A, b) {\n", "idle_test.cpp": "TEST(Idle, b) {\n",
                            "b_test.py": "class B(Case):\n    def test_c(self):\n"}.items():
             with open(os.path.join(root, "tests", "unit", name), "w", encoding="utf-8") as f:
                 f.write(text)
-        if tests_of(root) != {"A.b", "B.test_c"}:
+        if tests_of(root) != {"A.b", "B.test_c", "Fill.c"}:
             wrong.append(f"tests found: {tests_of(root)}")
     print(f"notes_coverage --self-test: {len(cases)} pages and a folder of tests, wrong: {wrong}")
     return 1 if wrong else 0

@@ -174,7 +174,7 @@ def sentences_of(page):
         text = " ".join(block)
         text = re.sub(r"!\[[^\]]*\]\([^)]*\)", "", text)
         text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
-        for sentence in re.split(r"(?<=[.!?])(?:\*\*|[)\"'*_`])*\s+(?=[`*\"'(\[_~-]*[A-Z0-9`(])", text):
+        for sentence in re.split(r"(?<!\be\.g)(?<!\bi\.e)(?<!\betc)(?<!\bvs)(?<!\.\.)(?<=[.!?])(?:\*\*|[)\"'*_`])*\s+", text):
             if re.search(r"\w", sentence):
                 yield first, sentence.strip()
 

@@ -8,7 +8,7 @@ SEEDS, which only the functions CALLERS of shaders/shared/exact.h call: as a see
 self-test has found them correctly rounded.
 No RelaxedPrecision, no fast-math decoration, no float of another width than 32 bits, no rounding mode but round to nearest even.
 
-Modules with "_native" in their names draw only when a choice asks for the device's own functions (docs/accuracy.md, bounded). They may hold one
+Modules with "_native" in their names draw only when a choice asks for the device's own functions (docs/accuracy.md#bounded). They may hold one
 thing more: Pow, in the functions nativePow, which only NATIVE_CALLERS call.
 
 Modules with "_double" in their names may hold binary64, its conversions and the reading of its words, in the functions rowTimesDouble, which only

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Truth of a picture, for every error figure: what the most accurate choice of every knob would give, in binary64 (docs/accuracy.md).
+// Truth of a picture, for every error figure: what the most accurate choice of every knob would give, in binary64 (docs/truth.md).
 // Per-pixel Phong, perspective, exact specular power, vertices not snapped. The visible triangle is decided without rounding wherever
 // binary64 leaves it open. It shares no function with the passes: from render/ it takes the types of a request and of a frame, nothing that
 // computes.

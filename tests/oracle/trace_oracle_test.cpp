@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Are the rays right? The twin's pictures against a textbook tracer in binary64, and rows 13 to 18 of the stress table.
+// Are the rays right? The twin's pictures against a textbook tracer in binary64, and rows 13 to 18 of docs/extremes.md.
 #include "tests/oracle/trace_oracle.h"
 
 #include "pipeline/render/rays/trace_frame.h"
@@ -267,7 +267,7 @@ TEST(TraceStress, TotalReflectionIsContinuous) {
                 EXPECT_NE(c.pass, c.mirror);
                 if (c.pass && before != vec3(0)) largest = std::max(largest, double(glm::length(carried - before)));
                 before = c.pass ? carried : vec3(0);
-                // The wrong side costs the square root of the radicand's rounding (accuracy.md B.9).
+                // The wrong side costs the square root of the radicand's rounding (docs/derivations.md#total-reflection).
                 if (c.pass) {
                     EXPECT_LE(std::abs(double(carried.y)), std::sqrt(2 * ratio * ratio * (std::abs(i) * 1e-8 + 8 * kU)) * 2);
                 }

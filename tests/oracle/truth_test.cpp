@@ -103,7 +103,7 @@ Vector80 unit80(Vector80 v) {
     return v;
 }
 
-// The formula of docs/accuracy.md once more, in long double, for a point relative to the eye at the origin.
+// The formula of docs/truth.md once more, in long double, for a point relative to the eye at the origin.
 Vector80 phong80(const Scene& s, const Material& m, const Vector80& n, const Vector80& p) {
     Vector80 colour{};
     const Vector80 v = unit80({-p[0], -p[1], -p[2]});

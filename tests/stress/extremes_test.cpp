@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The extremes of docs/accuracy.md, one test a row, one printed line a row. Counts that take longer run with PLUMB_LONG=1.
+// The rows of docs/extremes.md, one test a row, one printed line a row. Counts that take longer run with PLUMB_LONG=1.
 #include "pipeline/passes/cull.h"
 #include "pipeline/passes/fill.h"
 #include "pipeline/scene/load.h"

@@ -371,7 +371,7 @@ TEST(SceneFinish, FaceRecordsFollowTheFile) {
     EXPECT_EQ(mesh.triangles[2].face, 1u);
 }
 
-// C.1 row 2: scaling by a power of two changes no bit but exponents, so nothing here has an absolute threshold.
+// Row 2 of docs/extremes.md: scaling by a power of two changes no bit but exponents, so nothing here has an absolute threshold.
 TEST(SceneFinish, PowersOfTwoScaleEverythingExactly) {
     LoadOptions options;
     const PolygonMesh in = readObj(std::string(PLUMB_SOURCE_DIR) + "/scenes/procedural/gear.obj", options);

@@ -298,7 +298,7 @@ TEST(SceneRefusals, OfAMaterialLibraryNameItsOwnPlace) {
     }
 }
 
-// accuracy.md C.1 row 4: each numeric field times NaN, infinities and what float32 cannot hold, named with its field.
+// Row 4 of docs/extremes.md: each numeric field times NaN, infinities and what float32 cannot hold, named with its field.
 TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
     struct Field {
         const char* name;

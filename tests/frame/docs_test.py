@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Runs the commands of docs/ whose answer is shown: an sh block, and right behind it a block that is `text`, `json` or of no language. What is shown must be
+printed, line behind line; `...` stands for what is left out. Times, devices and versions are masked on both sides. PAGES must show an answer in their first screen.
+
+usage: docs_test.py PLUMB SOURCE
+       docs_test.py --self-test      exit 1 when a changed answer goes unnoticed
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+# Pages about a command: an answer that is run stands in their first screen.
+PAGES = ("accuracy.md", "diff.md", "measure.md", "outputs.md", "rays.md", "scene-format.md", "truth.md")
+SCREEN = 40  # lines
+ANSWERS = ("", "text", "json")
+
+# What varies with machine, moment or version. The last word of a measured row may be anything that times allow.
+VARIES = [
+    (r"\d+(?:\.\d+)? (ms|s)\b", r"# \1"),
+    (r"llvmpipe \(LLVM [\d.]+, \d+ bits\)", "DEVICE"),
+    (r"Mesa [\d.]+[^,]*", "Mesa #"),
+    (r"Vulkan \d[\d.]*, [0-9a-f]+", "Vulkan #"),
+    (r"memory budget \d+ MiB", "memory budget #"),
+    (r"\d+ rounds, load [\d.]+", "# rounds, load #"),
+    (r"\(\d+\.\d+ % a row\)", "(# % a row)"),
+    # a row of `plumb measure`: its mark, median, ratio, interval and what they tell
+    (r"^[*+ ] (\S+ +\S.*?) +\d+\.\d\d +\d+\.\d{3}(?: +[\d.]+ \.\. [\d.a-z]+)?(?: +(?:not told apart|faster|slower))? +(?=\d|no error)", r"  \1  #  "),
+    (r"\"(git|cpu_vendor|cpu_model|spirv|uuid|driverInfo|api)\": \"[^\"]*\"", r'"\1": #'),
+    (r"\"([\w]*(?:_ms|ms|Ms|bytes|_bytes)|load|device|render|write|total|truth|per_second)\": [\d.]+", r'"\1": #'),
+]
+# Makes a run short without changing what is masked.
+SHORTER = {"plumb measure": "--repetitions 11"}
+LEFT_OUT = re.compile(r"^note: load ")  # lines that stand on a busy machine only
+
+
+def masked(text):
+    lines = []
+    for line in text.splitlines():
+        if LEFT_OUT.match(line):
+            continue
+        for pattern, instead in VARIES:
+            line = re.sub(pattern, instead, line)
+        lines.append(re.sub(r"\s+", " ", line).strip())
+    return "\n".join(lines)
+
+
+def answers_of(page):
+    """(line, commands, shown text, exit code) of each sh block with an answer right behind it. A remark `# exit 1` states another exit code than 0."""
+    blocks, fence, language, begun = [], None, "", 0
+    lines = page.splitlines()
+    for number, line in enumerate(lines, 1):
+        if not line.startswith("```"):
+            continue
+        if fence is None:
+            fence, language, begun = number, line[3:].strip(), number
+        else:
+            blocks.append((begun, number, language, lines[begun:number - 1]))
+            fence = None
+    found = []
+    for (at, end, kind, commands), (begin, _, answer, shown) in zip(blocks, blocks[1:]):
+        between = "".join(lines[end:begin - 1]).strip()
+        if kind == "sh" and answer in ANSWERS and not between:
+            code = re.search(r"#.*\bexit (?:code )?(\d+)", "\n".join(commands))
+            found.append((at, [re.sub(r"\s+#\s.*$", "", c) for c in commands if c.strip() and not c.startswith("#")], "\n".join(shown), int(code.group(1)) if code else 0))
+    return found
+
+
+def not_printed(shown, printed):
+    """The first shown part that does not stand behind the one before it; None when all do."""
+    printed, at = masked(printed), 0
+    for part in re.split(r"\.\.\.", masked(shown)):
+        for line in filter(None, (line.strip() for line in part.split("\n"))):
+            found = printed.find(line, at)
+            if found < 0:
+                return line
+            at = found + len(line)
+    return None
+
+
+def self_test():
+    page = "# P\n\n```sh\nplumb x   # a remark; exit 1\n```\n\n```text\na.png: 12.3 ms\n...\nb 7\n```\n\nText.\n\n```sh\nplumb y\n```\n\nText.\n\n```\nno answer\n```\n"
+    found = answers_of(page)
+    wrong = []
+    if found != [(3, ["plumb x"], "a.png: 12.3 ms\n...\nb 7", 1)]:
+        wrong.append(f"blocks: {found}")
+    cases = [("a 1 ms ... c", "a 9.5 ms\nb\nc", None), ("a\nb", "b\na", "b"), ("max 1.985", "max 1.986", "max 1.985"), ("note: load 3\na", "a", None),
+             ("* depth  24   7.91  1.187  0.957 .. 4.929  not told apart  0.289  5.1", "  depth  24   1.91  0.1  0.289  5.1", "depth 24 # 0.289 5.1"),
+             ("* depth  24   7.91  1.187  0.957 .. 4.929  not told apart  0.289  5.1", "  depth  24   1.91  0.187  0.1 .. 0.2  faster  0.289  5.1", None),
+             ("* depth  24   7.91  1.187  0.957 .. 4.929  not told apart  0.289  5.1", "  depth  24   1.91  0.187  0.1 .. 0.2  faster  0.290  5.1", "depth 24 # 0.289 5.1")]
+    wrong += [f"{shown!r} of {printed!r}: {got!r}" for shown, printed, want in cases if (got := not_printed(shown, printed)) != want]
+    for line in wrong:
+        print(line)
+    print(f"docs_test --self-test: {len(cases) + 1} cases, {len(wrong)} wrong")
+    return 1 if wrong else 0
+
+
+def main():
+    if sys.argv[1:] == ["--self-test"]:
+        return self_test()
+    plumb, source = (os.path.abspath(path) for path in sys.argv[1:])
+    wrong, ran = [], 0
+    with tempfile.TemporaryDirectory() as folder:
+        os.symlink(plumb, os.path.join(folder, "plumb"))
+        for name in ("scenes", "docs", "tests"):
+            os.symlink(os.path.join(source, name), os.path.join(folder, name))
+        environment = dict(os.environ, PATH=f"{folder}:{os.environ['PATH']}", XDG_CACHE_HOME=os.path.join(folder, ".cache"))
+        for name in sorted(os.listdir(os.path.join(source, "docs"))):
+            if not name.endswith(".md"):
+                continue
+            with open(os.path.join(source, "docs", name), encoding="utf-8") as file:
+                answers = answers_of(file.read())
+            if name in PAGES and not (answers and answers[0][0] <= SCREEN):
+                wrong.append(f"docs/{name}: no answer that is run stands in its first {SCREEN} lines")
+            for line, commands, shown, expected in answers:
+                more = [f"{command} {next((flags for start, flags in SHORTER.items() if command.startswith(start)), '')}" for command in commands]
+                begin = time.monotonic()
+                done = subprocess.run(["bash", "-c", "; ".join(more)], cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                      text=True, errors="replace", timeout=300)
+                ran += 1
+                print(f"{time.monotonic() - begin:6.1f} s  docs/{name}:{line}: {'; '.join(more)}", flush=True)
+                if done.returncode != expected:
+                    wrong.append(f"docs/{name}:{line}: exit {done.returncode}, not {expected}")
+                if (absent := not_printed(shown, done.stdout)) is not None:
+                    wrong.append(f"docs/{name}:{line}: does not print `{absent}` but:\n{masked(done.stdout)[:2000]}")
+    for line in wrong:
+        print(line)
+    print(f"docs_test: {ran} answers, {len(wrong)} wrong")
+    return 1 if wrong or not ran else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
