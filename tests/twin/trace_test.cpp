@@ -247,6 +247,38 @@ TEST_F(TraceDispatches, LeaveTheSameBytesWhereverTheyEnd) {
     }
 }
 
+// The middle of the picture lies inside a tile, whose rays point into four octants. Boxes that excluded nothing across would open all of the tree, which
+// has more leaves than a walk may take steps.
+TEST_F(TraceDispatches, ATileAroundTheAxisOpensNoMoreThanItSees) {
+    constexpr uint32_t kQuads = 150;
+    Scene scene = rayScene();
+    scene.camera->eye = {0, 0, 6};
+    scene.maxDepth = 1;
+    TriangleMesh mesh;
+    mesh.faceMaterial = {0};
+    for (uint32_t j = 0; j <= kQuads; ++j)
+        for (uint32_t i = 0; i <= kQuads; ++i) {
+            mesh.positions.emplace_back(6.0f * float(i) / kQuads - 3.0f, 6.0f * float(j) / kQuads - 3.0f, 0.05f * float((i + j) % 5));
+            mesh.normals.emplace_back(0, 0, 1);
+        }
+    for (uint32_t j = 0; j < kQuads; ++j)
+        for (uint32_t i = 0; i < kQuads; ++i) {
+            const uint32_t a = j * (kQuads + 1) + i, b = a + kQuads + 1;
+            mesh.triangles.push_back({{a, a + 1, b + 1}, 0});
+            mesh.triangles.push_back({{a, b + 1, b}, 0});
+        }
+    mesh.vertexMaterial.resize(mesh.positions.size());
+    addObject(scene, mesh);
+    for (const glm::uvec2 size : {glm::uvec2(12, 6), glm::uvec2(6, 10), glm::uvec2(22, 34)})
+        for (const float reflect : {0.0f, 0.2f}) {  // two samples an invocation, and one
+            scene.materials[0].reflect = reflect;
+            scene.maxDepth = reflect > 0 ? 2 : 1;
+            const RenderRequest request = requestOf(scene, size.x, size.y);
+            SCOPED_TRACE(fmt::format("{}x{}, reflect {}", size.x, size.y, reflect));
+            expectSameFrame(renderCpu(scene, request).frame, renderGpu(device(), scene, request).frame);
+        }
+}
+
 using TraceCounts = DeviceTest;
 
 // Notes 18.1 and 18.4.1: one ray a level with mirrors alone, 2^depth - 1 with both children.
