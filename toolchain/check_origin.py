@@ -20,7 +20,7 @@ ALLOWED = {
     "scene/flattened.cpp": "asks for its linear part",
     "command/info_command.cpp": "bounds as the file states them",
     "command/matrix_command.cpp": "shows the user's chain",
-    "render/vertex_error.cpp": "bounds the rounding of the composite by its parts",
+    "render/bounds/vertex_error.cpp": "bounds the rounding of the composite by its parts",
     "truth": "starts from the file's numbers, and shares no function with the passes",
 }
 
