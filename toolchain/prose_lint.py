@@ -9,6 +9,8 @@ usage: prose_lint.py PART... [--root ROOT]    exit 0: clean; 1: one line for eac
   sentences    a sentence above 30 words in a page; prints the mean of each page. Code blocks, tables and headings are left out
   openings     a comment of shaders/, host/ or pipeline/ that opens with a relation to what it does not name (rule 1 of CONTRIBUTING.md)
   constants    a constant (SHARED_CONST, `constexpr` or `const` with a name kName) that is declared and never read
+  names        a file, test or identifier that a page names and that the tree does not have; a file that a comment names. History may name what is gone:
+               CHANGELOG.md and docs/decisions.md are left out
   words        a word that docs/words.md has renamed
 """
 import os
@@ -264,6 +266,36 @@ def constants(root):
             yield f"{places[0]}: {name} is declared and never read"
 
 
+FOLDERS = ("shaders", "host", "pipeline", "tests", "toolchain", "scenes", "examples", "docs", "include", ".ci")
+FILE = re.compile(r"(?<![\w/.$}~>*\-])((?:" + "|".join(re.escape(f) for f in FOLDERS) + r")/[\w./\-]*\w(?:/|\.[a-z]+))(?![\w*{$/])")
+IDENTIFIER = re.compile(r"(k[A-Z]\w+|[a-z]+[a-z0-9]*[A-Z]\w*|[a-z]\w*_(?:test|long|mutants|notices|oracle))(?:\(\))?$")
+TEST = re.compile(r"([A-Z]\w+)\.(test_\w+|[A-Za-z]\w+)$")
+
+
+def names(root):
+    said, gone = set(), {}
+    for path, text in files_of(root, SOURCES + ("tests", "toolchain", "examples", "scenes")):
+        said.update(re.findall(r"\w+", text))
+    for path, text in files_of(root):
+        page = is_page(path)
+        if path in ("CHANGELOG.md", os.path.join("docs", "decisions.md")) or not (page or path.endswith(SOURCE_ENDS)) or path.startswith("examples"):
+            continue
+        for number, line in enumerate(text.splitlines(), 1):
+            spoken = line if page else line[line.index("//"):] if "//" in line else ""
+            for name in FILE.findall(spoken):
+                if name not in gone:
+                    gone[name] = not os.path.exists(os.path.join(root, name))
+                if gone[name] and not name.startswith(("build/", "docs/images/")) and "X" not in name.split("/")[-1]:
+                    yield f"{path}:{number}: {name}: there is no such file"
+            for span in re.findall(r"`([^`\s]+)`", line) if page else []:
+                if m := TEST.match(span):
+                    missing = [part for part in m.groups() if part not in said and not (m.group(1) == "Golden" and part == "Golden")]
+                    if missing and "." in span and not span.endswith((".md", ".py", ".txt")):
+                        yield f"{path}:{number}: {span}: there is no such test"
+                elif (m := IDENTIFIER.match(span)) and m.group(1) not in said:
+                    yield f"{path}:{number}: {span}: the sources do not have this name"
+
+
 def renamed(root):
     """(pattern, what to say instead) of the table of docs/words.md under the heading `Renamed`: | not | say | where |"""
     path = os.path.join(root, "docs", "words.md")
@@ -292,7 +324,7 @@ def words(root):
                     yield f"{path}:{number}: '{m.group()}': say '{new}' (docs/words.md)"
 
 
-PARTS = {"references": references, "sentences": sentences, "openings": openings, "constants": constants, "words": words}
+PARTS = {"references": references, "sentences": sentences, "openings": openings, "constants": constants, "names": names, "words": words}
 
 # Each part on a tree that is clean, and on the same tree with one thing changed: (part, file, text, faults).
 CLEAN = {
@@ -314,12 +346,15 @@ PLANTED = [
     ("sentences", "docs/b.md", "# B\n\n" + "word " * 31 + "end.\n"), ("sentences", "docs/b.md", "# B\n\n- Short.\n- " + "word, " * 30 + "\n  end.\n"),
     ("openings", "host/a.h", "// Of its pixels, by row.\nint a;\n"), ("openings", "shaders/x.h", "  // These are dropped.\n"), ("openings", "host/a.h", "/* It is so. */\n"),
     ("constants", "host/a.h", "constexpr int kUnread = 1;\n"), ("constants", "shaders/x.h", "SHARED_CONST(uint, kUnread, 3u)  // kUnread\n"),
+    ("names", "docs/b.md", "`kGone`\n"), ("names", "docs/b.md", "`goneName()`\n"), ("names", "docs/b.md", "`Suite.Gone`\n"), ("names", "docs/b.md", "`host/gone.h`\n"),
+    ("names", "docs/b.md", "`gone_test`\n"), ("names", "host/a.h", "// as tests/gone.cpp does\n"),
     ("words", "docs/b.md", "# B\n\nA feeler runs.\n"), ("words", "host/a.h", "// A feeler runs.\n"),
 ]
 INNOCENT = [
     ("references", "host/a.h", "// as docs/b.md has it, else as the file says\n"), ("references", "host/a.h", "// (docs/b.md), (docs/b.md, C.1 Of rows: 3)\n"),
     ("sentences", "docs/b.md", "# " + "word " * 40 + "\n\n| " + "word " * 40 + " |\n\n" + ("word " * 20 + "end. ").capitalize() * 3 + "\n\n```\n" + "word " * 40 + "\n```\n"),
     ("openings", "host/a.h", "// Offsets of rows.\nint a;  // of each\n// Itself.\n"), ("constants", "host/a.h", "constexpr int kRead = 1;\nint a[kRead];\n"),
+    ("names", "docs/b.md", "`kUsed` of `shaders/x.h`, `host/`, `shaders/*.glsl` and `plumb render scene.toml`\n"), ("names", "host/a.h", "// see host/a.h\n"),
     ("words", "docs/b.md", "# B\n\n`feelers` is a key. [x](feeler.md)\n"), ("words", "host/a.h", "int feelers;\n"),
 ]
 
