@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: MIT
 """Runs the commands of docs/ whose answer is shown: an sh block, and right behind it a block that is `text`, `json` or of no language. What is shown must be
 printed, line behind line; `...` stands for what is left out. Times, devices and versions are masked on both sides. PAGES must show an answer in their first screen.
+Every key of the JSON of REPORTS must stand on one of KEYED.
 
 usage: docs_test.py PLUMB SOURCE
        docs_test.py --self-test      exit 1 when a changed answer goes unnoticed
 """
+import json
 import os
 import re
 import subprocess
@@ -32,6 +34,28 @@ VARIES = [
     (r"\"(git|cpu_vendor|cpu_model|spirv|uuid|driverInfo|api)\": \"[^\"]*\"", r'"\1": #'),
     (r"\"([\w]*(?:_ms|ms|Ms|bytes|_bytes)|load|device|render|write|total|truth|per_second)\": [\d.]+", r'"\1": #'),
 ]
+# Commands whose --json is asked for its keys, on these pages; what is below a key of NAMES is named by modules, steps or counts.
+KEYED = ("outputs.md", "diff.md")
+REPORTS = [
+    "plumb render scenes/pyramid.toml --with-error -q -o x.png",
+    "plumb render scenes/pyramid.toml --stereo pair -q -o 'x{eye}.png'",
+    "plumb render scenes/pyramid.toml --fill notes -q -o x.png",
+    "plumb render scenes/pyramid.toml --device twin -q -o x.png",
+    "plumb render scenes/four-spheres.toml --size 64x48 --sampling adaptive --with-error -q -o x.png",
+    "plumb verify scenes/pyramid.toml -q",
+    "plumb diff x.png x.png --gate 'max<=0.1'",
+    "plumb measure scenes/suzanne.toml --size 64x48 --axis depth,specular --repetitions 3 -q",
+    "plumb devices",
+    "plumb info scenes/pyramid.toml",
+    "plumb matrix scenes/pyramid.toml",
+    "plumb matrix rotate=90:from=3,3,5:to=6,6.46,7 --vertices 100",
+    "plumb bench raster sphere1e3 --size 96x64 --repeat 3 -q",
+    "plumb bench passes sphere1e3 --size 96x64 --repeat 3 -q",
+    "plumb bench claims --repeat 3 -q",
+    "plumb bench matrix 1e3 --repeat 3 -q",
+    "plumb bench trace spheres4 --size 96x64 --repeat 3 -q",
+]
+NAMES = ("spirv", "passes", "passes_ms", "passesMs", "counts", "over")
 # Makes a run short without changing what is masked.
 SHORTER = {"plumb measure": "--repetitions 11"}
 LEFT_OUT = re.compile(r"^note: load ")  # lines that stand on a busy machine only
@@ -81,6 +105,17 @@ def not_printed(shown, printed):
     return None
 
 
+def keys_of(value, named=False):
+    if isinstance(value, dict):
+        for key, below in value.items():
+            if not named:
+                yield key
+            yield from keys_of(below, key in NAMES)
+    elif isinstance(value, list):
+        for below in value:
+            yield from keys_of(below, False)
+
+
 def self_test():
     page = "# P\n\n```sh\nplumb x   # a remark; exit 1\n```\n\n```text\na.png: 12.3 ms\n...\nb 7\n```\n\nText.\n\n```sh\nplumb y\n```\n\nText.\n\n```\nno answer\n```\n"
     found = answers_of(page)
@@ -92,9 +127,11 @@ def self_test():
              ("* depth  24   7.91  1.187  0.957 .. 4.929  not told apart  0.289  5.1", "  depth  24   1.91  0.187  0.1 .. 0.2  faster  0.289  5.1", None),
              ("* depth  24   7.91  1.187  0.957 .. 4.929  not told apart  0.289  5.1", "  depth  24   1.91  0.187  0.1 .. 0.2  faster  0.290  5.1", "depth 24 # 0.289 5.1")]
     wrong += [f"{shown!r} of {printed!r}: {got!r}" for shown, printed, want in cases if (got := not_printed(shown, printed)) != want]
+    if (keys := set(keys_of({"a": [{"b": 1, "passes": {"fill": 2}}], "passes": [{"pass": 3}]}))) != {"a", "b", "passes", "pass"}:
+        wrong.append(f"keys: {keys}")
     for line in wrong:
         print(line)
-    print(f"docs_test --self-test: {len(cases) + 1} cases, {len(wrong)} wrong")
+    print(f"docs_test --self-test: {len(cases) + 2} cases, {len(wrong)} wrong")
     return 1 if wrong else 0
 
 
@@ -126,9 +163,25 @@ def main():
                     wrong.append(f"docs/{name}:{line}: exit {done.returncode}, not {expected}")
                 if (absent := not_printed(shown, done.stdout)) is not None:
                     wrong.append(f"docs/{name}:{line}: does not print `{absent}` but:\n{masked(done.stdout)[:2000]}")
+        written = set()
+        for name in KEYED:
+            with open(os.path.join(source, "docs", name), encoding="utf-8") as file:
+                written.update(re.findall(r"\w+", " ".join(re.findall(r"`[^`]*`", file.read()))))
+        keys = set()
+        for command in REPORTS:
+            done = subprocess.run(["bash", "-c", f"{command} --json=report.json"], cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True,
+                                  text=True, errors="replace", timeout=300)
+            if done.returncode:
+                wrong.append(f"{command}: exit {done.returncode}: {done.stderr[-500:]}")
+                continue
+            with open(os.path.join(folder, "report.json"), encoding="utf-8") as file:
+                found = set(keys_of(json.load(file)))
+            keys |= found
+            if found - written:
+                wrong.append(f"{command}: keys that no page of {' '.join(KEYED)} has: {' '.join(sorted(found - written))}")
     for line in wrong:
         print(line)
-    print(f"docs_test: {ran} answers, {len(wrong)} wrong")
+    print(f"docs_test: {ran} answers, {len(keys)} keys of reports, {len(wrong)} wrong")
     return 1 if wrong or not ran else 0
 
 
