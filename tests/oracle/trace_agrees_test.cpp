@@ -21,7 +21,7 @@ namespace plumb::test {
 namespace {
 
 // The raster snaps vertices to 1/256 px: half of that. Before, float32 moves them by 2^-12 px at this size (docs/derivations.md#vertices):
-// 8 u of coordinates below 2^9 px from the centre, twice, since both sides round.
+// 12 u of coordinates below 2^7 px from the centre, twice, since both sides round.
 constexpr double kEdge = 0x1p-9 + 0x1p-12;
 
 class RasterAndRays : public ::testing::TestWithParam<std::string> {};
