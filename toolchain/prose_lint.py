@@ -11,7 +11,7 @@ usage: prose_lint.py PART... [--root ROOT]    exit 0: clean; 1: one line for eac
   constants    a constant (SHARED_CONST, `constexpr` or `const` with a name kName) that is declared and never read
   names        a file, test or identifier that a page names and that the tree does not have; a file that a comment names. History may name what is gone:
                CHANGELOG.md and docs/decisions.md are left out
-  words        a word that docs/words.md has renamed
+  words        a word that docs/words.md has renamed, or defines twice
 """
 import os
 import re
@@ -309,6 +309,15 @@ def renamed(root):
 
 def words(root):
     rows = renamed(root)
+    glossary, seen = os.path.join(root, "docs", "words.md"), {}
+    if os.path.exists(glossary):
+        with open(glossary, encoding="utf-8") as file:
+            for number, line in enumerate(file.read().split("\n## Renamed")[0].splitlines(), 1):
+                m = re.match(r"\| (?!word \|)([^|-][^|]*) \|", line)
+                for word in re.sub(r" *\([^)]*\)", "", m.group(1)).split(", ") if m else []:
+                    if word in seen:
+                        yield f"docs/words.md:{number}: '{word}' is defined in line {seen[word]}, too"
+                    seen.setdefault(word, number)
     for path, text in files_of(root):
         if path in (os.path.join("docs", "words.md"), os.path.join("docs", "lecture-notes.md")):  # they name what is not said
             continue
@@ -348,6 +357,7 @@ PLANTED = [
     ("constants", "host/a.h", "constexpr int kUnread = 1;\n"), ("constants", "shaders/x.h", "SHARED_CONST(uint, kUnread, 3u)  // kUnread\n"),
     ("names", "docs/b.md", "`kGone`\n"), ("names", "docs/b.md", "`goneName()`\n"), ("names", "docs/b.md", "`Suite.Gone`\n"), ("names", "docs/b.md", "`host/gone.h`\n"),
     ("names", "docs/b.md", "`gone_test`\n"), ("names", "host/a.h", "// as tests/gone.cpp does\n"),
+    ("words", "docs/words.md", "# Words\n\n| word | means |\n|---|---|\n| twin (x) | y |\n| plane, twin | z |\n"),
     ("words", "docs/b.md", "# B\n\nA feeler runs.\n"), ("words", "host/a.h", "// A feeler runs.\n"),
 ]
 INNOCENT = [
