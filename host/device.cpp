@@ -199,8 +199,7 @@ std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice physical) {
 // Queried properties and features of a device of Vulkan 1.2 or later. Do not copy or move: pNext points into the struct.
 struct Queried {
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
-    VkPhysicalDeviceFloatControlsProperties floats{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES, &subgroup};
-    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES, &floats};
+    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES, &subgroup};
     VkPhysicalDeviceIDProperties ids{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, &maintenance3};
     VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES, &ids};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver};
@@ -231,7 +230,6 @@ DeviceLimits limitsOf(const Queried& q, const std::vector<VkQueueFamilyPropertie
     limits.subgroupShuffle = (q.subgroup.supportedOperations & needed) == needed &&
                              (q.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) && limits.subgroupSize >= 8 &&
                              std::has_single_bit(limits.subgroupSize);
-    limits.roundingModeRte32 = q.floats.shaderRoundingModeRTEFloat32;
     limits.subPixelBits = l.subPixelPrecisionBits;
     limits.int64 = q.features.features.shaderInt64;
     limits.float64 = q.features.features.shaderFloat64;
@@ -333,8 +331,6 @@ ShrunkNative shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memo
             lower(limits.int64);
         else if (name == "float64")
             lower(limits.float64);
-        else if (name == "roundingMode")
-            lower(limits.roundingModeRte32);
         else if (name == "graphicsQueue")
             lower(limits.hasGraphicsQueue);
         else if (name == "memory")

@@ -39,7 +39,6 @@ struct DeviceLimits {
     uint32_t storageOffsetAlignment = 0;
     double timestampPeriodNs = 0;  // 0: no timestamps on the compute queue
     bool subgroupShuffle = false;  // ballot, vote and shuffle usable in compute, subgroup size a power of two >= 8
-    bool roundingModeRte32 = false;
     bool int64 = false;
     bool float64 = false;
     bool hasGraphicsQueue = false;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Comparison of two pictures, layer by layer. Every number is of decoded samples, never of bytes of a file.
 //
-// Samples of a code layer count as code / fullScale, so that a step of 8 bits is 1/255; those of a real layer count as they are. Nothing is ever resized.
+// Samples of a code layer count as code / fullScale, so that a step of 8 bits is 1/255; those of a real layer count as they are. Nothing is
+// ever resized.
 #pragma once
 
 #include "pipeline/compare/picture.h"

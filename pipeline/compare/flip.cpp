@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// LDR-FLIP: Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astroem, Fairchild: "FLIP: A Difference Evaluator for Alternating Images", 2020.
-// Section numbers are the paper's. Everything runs in bands of rows with a margin as wide as the filters, so that memory does not grow with the picture.
+// LDR-FLIP: Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astroem, Fairchild: "FLIP: A Difference Evaluator for Alternating Images",
+// 2020. Section numbers are the paper's. Everything runs in bands of rows with a margin as wide as the filters, so that memory does not
+// grow with the picture.
 #include "pipeline/compare/metrics.h"
 #include "pipeline/passes/parallel.h"
 

@@ -5,9 +5,9 @@
 //     metric = max | mean | rmse | psnr | ssim | flip | flip_max | deltae | deltae_max | ulp | differing | region | nan | over(number)
 //     value  = number ["%"]          number = decimal ["/" decimal]
 //
-// ssim and psnr are better when larger and take ">=" or ">"; all others take "<=" or "<". "%" is of the pixels, for differing, region, nan and over.
-// max, mean, rmse and the number of over are shares of full scale (2/255: two steps of 8 bits), or units of the plane where it has no scale.
-// Without a plane, the gate is on every plane that has the metric.
+// ssim and psnr are better when larger and take ">=" or ">"; all others take "<=" or "<". "%" is of the pixels, for differing, region, nan
+// and over. max, mean, rmse and the number of over are shares of full scale (2/255: two steps of 8 bits), or units of the plane where it
+// has no scale. Without a plane, the gate is on every plane that has the metric.
 #pragma once
 
 #include "pipeline/compare/compare.h"

@@ -37,8 +37,7 @@ void checkWritable(const std::filesystem::path&, bool noClobber);
 void removeTemporaryFile() noexcept;
 std::vector<std::byte> encodePng(const Frame&, const WriteOptions&, const Metadata&);
 // EXR of linear colour and the chosen planes, float32/uint32: R G B [A], Z, distance, normal.X/Y/Z, object_id, primitive_id. kPlaneColour
-// and
-// kPlaneLinear both mean the linear colour. With `alpha`, colour is multiplied by A, as EXR readers expect.
+// and kPlaneLinear both mean the linear colour. With `alpha`, colour is multiplied by A, as EXR readers expect.
 std::vector<std::byte> encodeExr(const Frame&, uint32_t planes, const Metadata&, bool alpha = false);
 // NPY 1.0 of one plane: colour (H, W, 4) |u1, linear and normal (H, W, 3) <f4, ids (H, W) <u4, the others (H, W) <f4.
 std::vector<std::byte> encodeNpy(const Frame&, Plane plane);

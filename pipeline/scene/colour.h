@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Colour systems of the lecture notes (15.3, 15.4, 16.5): RGB and its hexadecimal code, CMY, CMYK.
-// RGB here is what a picture holds: shares of full light as encoded, 0 to 1 or 0 to 255. Inks are shares of full coverage. Nothing depends on a
-// printer's inks: R = (1 - C) (1 - K) and so on, so that a mixture reflects what every ink of it reflects.
+// RGB here is what a picture holds: shares of full light as encoded, 0 to 1 or 0 to 255. Inks are shares of full coverage. Nothing depends
+// on a printer's inks: R = (1 - C) (1 - K) and so on, so that a mixture reflects what every ink of it reflects.
 #pragma once
 
 #include <array>

@@ -76,8 +76,8 @@ struct TriangleMesh {
     glm::vec3 boundsMin{0}, boundsMax{0};   // box of the positions, relative to the origin
     glm::dvec3 statedMin{0}, statedMax{0};  // box of the positions as the file states them, in the object's space
     glm::dvec3 lost{0};                     // largest distance of a vertex from the file's position, along each axis
-    // Per vertex, the file's own positions for the truth; empty: origin + position (LoadOptions::keepNumbers). Code that moves positions must
-    // empty it.
+    // Per vertex, the file's own positions for the truth; empty: origin + position (LoadOptions::keepNumbers). Code that moves positions
+    // must empty it.
     std::vector<glm::dvec3> stated;
     glm::dvec3 statedAt(size_t vertex) const { return stated.empty() ? origin + glm::dvec3(positions[vertex]) : stated[vertex]; }
 };

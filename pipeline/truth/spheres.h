@@ -31,7 +31,8 @@ public:
     uint64_t redone() const { return redone_; }
 
 private:
-    // Front of a sphere at a point. rest: r^2 - x^2 - y^2 there. depth: least z of the front there, from the eye. Each has a bound of its error.
+    // Front of a sphere at a point. rest: r^2 - x^2 - y^2 there. depth: least z of the front there, from the eye. Each has a bound of its
+    // error.
     struct Front {
         uint32_t sphere = kNone;
         double rest = 0, restError = 0, depth = 0, depthError = 0;

@@ -46,7 +46,6 @@ SHARED_CONST uint kOutside = 0u;
 SHARED_CONST uint kBackFacing = 1u;
 SHARED_CONST uint kZeroArea = 2u;
 SHARED_CONST uint kDrawn = 3u;
-SHARED_CONST uint kClip = 4u;
 
 // Twice the area of a triangle that faces the viewer is positive.
 SHARED_FN int facing(ivec2 p0, ivec2 p1, ivec2 p2) { return signOfDifference(p1.y - p0.y, p2.x - p0.x, p1.x - p0.x, p2.y - p0.y); }

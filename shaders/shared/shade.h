@@ -13,16 +13,12 @@ SHARED_CONST uint kShadingFlat = 1u;
 SHARED_CONST uint kShadingGouraud = 2u;
 SHARED_CONST uint kShadingPhong = 3u;
 
-SHARED_CONST uint kAttenuationNone = 0u;
-SHARED_CONST uint kAttenuationInverse = 1u;
-SHARED_CONST uint kAttenuationInverseSquare = 2u;
-
 // Light in two texels: (x, y, z, kind), (r, g, b, attenuation). kind 0: unit vector toward the light; 1: position relative to the eye.
 struct LightRecord {
     vec3 place;
     float kind;
     vec3 intensity;
-    float attenuation;
+    float attenuation;  // exponent of 1 / d by which the light fades: 0, 1 or 2
 };
 SHARED_CONST int kLightTexels = 2;
 
