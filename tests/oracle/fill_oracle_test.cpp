@@ -414,7 +414,8 @@ constexpr double kUnitLengthError = 6.5 * kUnit;
 constexpr double kRayError = 5 * kUnit * 1.7320508;
 // Planar depth from z: reciprocal 9 u, times near and ray 2 u.
 constexpr double kDistanceError = 11 * kUnit;
-// max over the angle of |d cos^n / d angle| / sqrt(n) = e^(-1/2) (docs/derivations.md#the-power-of-the-highlight), rounded up.
+// Largest |d cos^n / d angle| / sqrt(n) for large n, e^(-1/2), rounded up (docs/derivations.md#the-power-of-the-highlight). In general it is
+// (1 - 1/n)^((n - 1) / 2), so 1 for n = 1.
 constexpr double kPowerSlope = 0.61;
 // Relative error of specularPower for exact delta: log2's polynomial (1.7e-7) and four roundings scale p, and s |ln s| <= 1/e;
 // exp2's polynomial (7.5e-8) and three roundings scale s.

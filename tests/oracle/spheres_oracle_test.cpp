@@ -32,7 +32,7 @@ constexpr Precision kPass{kFloatUnit, (1.7e-7L + 4 * kFloatUnit) / 2.718281828L 
 // The C library's hypot and pow may be off by a unit in the last place, 2 u, where the pass rounds once, and twice in a row.
 constexpr Real80 kDoubleUnit = 4 * 0x1p-53L;
 constexpr Precision kTruth{kDoubleUnit, kDoubleUnit, 0};
-constexpr Real80 kPowerSlope = 0.61L;  // max of |d cos^n / d angle| / sqrt(n)
+constexpr Real80 kPowerSlope = 0.61L;  // largest |d cos^n / d angle| / sqrt(n) for large n
 
 Real80 lengthOf(const Vector& v) { return std::sqrt(glm::dot(v, v)); }
 

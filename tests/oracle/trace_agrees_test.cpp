@@ -73,8 +73,8 @@ TEST_P(RasterAndRays, SeeTheSamePrimitive) {
             ++differing;
             const glm::dvec2 pixel(x + 0.5, y + 0.5);
             if (nearEdge(raster.object[i], raster.primitive[i], pixel) || nearEdge(rays.object[i], rays.primitive[i], pixel)) continue;
-            // Two surfaces at one place: the depth decides, and it is known no better than this (docs/accuracy.md, depth: 13 u of z; a ray's
-            // distance the same again).
+            // Two surfaces at one place: the depth decides, which is known to 13 u of z (docs/accuracy.md#depth). A ray's distance is known as
+            // well.
             const double a = raster.depth[i], b = rays.depth[i];
             if (std::isfinite(a) && std::isfinite(b) && std::abs(a - b) <= 32 * 0x1p-24 * a) {
                 ++equalDepth;

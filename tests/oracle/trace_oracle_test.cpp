@@ -267,7 +267,8 @@ TEST(TraceStress, TotalReflectionIsContinuous) {
                 EXPECT_NE(c.pass, c.mirror);
                 if (c.pass && before != vec3(0)) largest = std::max(largest, double(glm::length(carried - before)));
                 before = c.pass ? carried : vec3(0);
-                // The wrong side costs the square root of the radicand's rounding (docs/derivations.md#total-reflection).
+                // Refraction in place of total reflection, or the reverse, costs at most the square root of the radicand's rounding
+                // (docs/derivations.md#total-reflection).
                 if (c.pass) {
                     EXPECT_LE(std::abs(double(carried.y)), std::sqrt(2 * ratio * ratio * (std::abs(i) * 1e-8 + 8 * kU)) * 2);
                 }
