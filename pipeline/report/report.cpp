@@ -100,23 +100,23 @@ std::string reportHtml(const Json& measurement, const ReportPicture& truth, std:
     std::vector<const ReportPicture*> order;
     for (const ReportPicture& picture : pictures) order.push_back(&picture);
     std::stable_partition(order.begin(), order.end(), [&](const ReportPicture* p) { return front.count(p->axis + "/" + p->choice) != 0; });
-    std::map<std::vector<uint32_t>, size_t> places;
+    std::map<std::vector<uint32_t>, size_t> indices;
     for (const ReportPicture* picture : order) {
         const std::string name = picture->axis + "/" + picture->choice;
         PLUMB_ASSERT(known.count(name) != 0 && picture->width == truth.width && picture->height == truth.height);
         const Frame thin = thinned(*picture, n);
-        auto [place, fresh] = places.try_emplace(thin.rgba, shown["apart"].size());
+        auto [found, fresh] = indices.try_emplace(thin.rgba, shown["apart"].size());
         if (fresh) {
             std::string png = pngOf(apart(thin, base));
             if (bytes + png.size() > kMostReportBytes) {
-                places.erase(place);
+                indices.erase(found);
                 shown["leftOut"].push_back(name);
                 continue;
             }
             bytes += png.size();
             shown["apart"].push_back(std::move(png));
         }
-        shown["of"][name] = place->second;
+        shown["of"][name] = found->second;
     }
     fill(page, "{{pictures}}", inScript(shown));
     fill(page, "{{measurement}}", data);

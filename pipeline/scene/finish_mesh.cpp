@@ -301,7 +301,7 @@ private:
     uint32_t previous(size_t face, uint32_t corner) const {
         return corner > in_.faceFirst[face] ? corner - 1 : in_.faceFirst[face + 1] - 1;
     }
-    uint32_t place(uint32_t corner) const { return welded_[in_.corners[corner].position]; }
+    uint32_t weldedAt(uint32_t corner) const { return welded_[in_.corners[corner].position]; }
     glm::dvec3 at(uint32_t corner) const { return glm::dvec3(positions_[in_.corners[corner].position]); }
 
     // Takes the origin from the box of the positions that faces name; other positions move nothing.
@@ -417,7 +417,7 @@ private:
         LoadMeter meter = meterOf(kMeasured, kEdgesFound, faces_);
         for (size_t f = 0; f < faces_; ++f, meter.at(f))
             for (uint32_t c = in_.faceFirst[f]; c < in_.faceFirst[f + 1]; ++c) {
-                const uint32_t a = place(c), b = place(next(f, c));
+                const uint32_t a = weldedAt(c), b = weldedAt(next(f, c));
                 if (a == b) continue;
                 const uint32_t fresh = uint32_t(edges_.size());
                 const uint32_t e = table.findOrAdd(
@@ -436,7 +436,7 @@ private:
     // True when the normal is smooth across the edge: exactly two faces that agree on which side is out, and either the same smoothing
     // group of the file, or (where a group is not stated) an angle below the crease angle.
     bool isSmooth(const Edge& edge) const {
-        if (edge.count != 2 || place(edge.smooth[0]) == place(edge.smooth[1])) return false;
+        if (edge.count != 2 || weldedAt(edge.smooth[0]) == weldedAt(edge.smooth[1])) return false;
         const uint32_t f = edge.smoothFace[0], g = edge.smoothFace[1];
         if (!in_.faceSmoothing.empty()) {
             const uint32_t a = in_.faceSmoothing[f], b = in_.faceSmoothing[g];
@@ -509,16 +509,16 @@ private:
         vertexOf_.resize(in_.corners.size());
         std::vector<uint32_t> placeOfVertex;
         IndexTable table(positions_.size());
-        const auto hash = [](uint32_t place, const glm::vec3& normal, uint32_t material) {
+        const auto hash = [](uint32_t welded, const glm::vec3& normal, uint32_t material) {
             const auto b = bitsOf(normal);
-            return mixBits((uint64_t(place) << 32 | b[0]) ^ mixBits((uint64_t(b[1]) << 32 | b[2]) + material));
+            return mixBits((uint64_t(welded) << 32 | b[0]) ^ mixBits((uint64_t(b[1]) << 32 | b[2]) + material));
         };
         LoadMeter meter = meterOf(kSummed, kVerticesMade, faces_);
         for (size_t f = 0; f < faces_; ++f) {
             meter.at(f);
             const uint32_t material = out_.faceMaterial[f];
             for (uint32_t c = in_.faceFirst[f]; c < in_.faceFirst[f + 1]; ++c) {
-                const uint32_t where = place(c);
+                const uint32_t where = weldedAt(c);
                 const glm::vec3 normal = normalOf(f, c);
                 const uint32_t fresh = uint32_t(out_.positions.size());
                 const uint32_t v = table.findOrAdd(

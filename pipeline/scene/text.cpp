@@ -186,7 +186,7 @@ static bool parseReal(std::string_view word, Real& value) {
     // Side of the overflow, which from_chars does not tell: the decimal position of the first digit that is not 0, plus the exponent.
     // float32 holds up to 3.4e38 and down to 1.4e-45, binary64 more either way, so the sign of the sum decides.
     const bool negative = *at == '-';
-    int64_t place = 0, exponent = 0;
+    int64_t digits = 0, exponent = 0;
     bool point = false, significant = false;
     const char* p = at + negative;
     for (; p != end && *p != 'e' && *p != 'E'; ++p) {
@@ -195,15 +195,15 @@ static bool parseReal(std::string_view word, Real& value) {
             continue;
         }
         if (*p != '0') significant = true;
-        if (significant && !point) ++place;
-        if (!significant && point) --place;
+        if (significant && !point) ++digits;
+        if (!significant && point) --digits;
     }
     if (p != end) {
         if (++p != end && *p == '+') ++p;
         const auto parsed = std::from_chars(p, end, exponent);
         if (parsed.ec == std::errc::result_out_of_range) exponent = *p == '-' ? -(int64_t(1) << 40) : int64_t(1) << 40;
     }
-    const Real magnitude = place + exponent > 0 ? std::numeric_limits<Real>::infinity() : std::numeric_limits<Real>::denorm_min();
+    const Real magnitude = digits + exponent > 0 ? std::numeric_limits<Real>::infinity() : std::numeric_limits<Real>::denorm_min();
     value = negative ? -magnitude : magnitude;
     return true;
 }

@@ -32,15 +32,15 @@ void Exact::trim() {
     if (limbs_.empty()) negative_ = false, lowest_ = 0;
 }
 
-uint32_t Exact::limbAt(int64_t place) const {
-    const int64_t i = place - lowest_;
+uint32_t Exact::limbAt(int64_t power) const {
+    const int64_t i = power - lowest_;
     return i >= 0 && i < int64_t(limbs_.size()) ? limbs_[size_t(i)] : 0;
 }
 
 int Exact::compareMagnitude(const Exact& a, const Exact& b) {
     const int64_t aTop = a.lowest_ + int64_t(a.limbs_.size()), bTop = b.lowest_ + int64_t(b.limbs_.size());
-    for (int64_t place = std::max(aTop, bTop) - 1; place >= std::min(a.lowest_, b.lowest_); --place) {
-        const uint32_t x = a.limbAt(place), y = b.limbAt(place);
+    for (int64_t power = std::max(aTop, bTop) - 1; power >= std::min(a.lowest_, b.lowest_); --power) {
+        const uint32_t x = a.limbAt(power), y = b.limbAt(power);
         if (x != y) return x > y ? 1 : -1;
     }
     return 0;
@@ -66,9 +66,9 @@ Exact operator+(const Exact& a, const Exact& b) {
     r.lowest_ = low;
     r.limbs_.reserve(size_t(top - low));
     int64_t carry = 0;
-    for (int64_t place = low; place < top; ++place) {
-        const int64_t addend = small.limbAt(place);
-        const int64_t sum = int64_t(large.limbAt(place)) + (subtract ? -addend : addend) + carry;
+    for (int64_t power = low; power < top; ++power) {
+        const int64_t addend = small.limbAt(power);
+        const int64_t sum = int64_t(large.limbAt(power)) + (subtract ? -addend : addend) + carry;
         r.limbs_.push_back(uint32_t(sum & 0xffffffff));
         carry = sum >> 32;
     }

@@ -22,11 +22,11 @@ public:
 
 private:
     static int compareMagnitude(const Exact& a, const Exact& b);
-    uint32_t limbAt(int64_t place) const;  // limb of weight 2^(32 place)
+    uint32_t limbAt(int64_t power) const;  // limb of 2^(32 power)
     void trim();
 
     bool negative_ = false;
-    int64_t lowest_ = 0;           // weight of limbs_[0], as in limbAt()
+    int64_t lowest_ = 0;           // power of limbs_[0]
     std::vector<uint32_t> limbs_;  // empty: 0; the first and the last limb are not 0
 };
 

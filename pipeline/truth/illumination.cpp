@@ -27,7 +27,7 @@ Illumination::Illumination(const Scene& scene, const Geometry& geometry) : scene
     for (const Light& light : scene.lights) {
         Lamp lamp;
         lamp.directional = light.directional;
-        lamp.place = light.directional ? unit(light.direction) : light.position - geometry.pinhole().eye;
+        lamp.position = light.directional ? unit(light.direction) : light.position - geometry.pinhole().eye;
         lamp.intensity = glm::dvec3(light.intensity);
         if (!light.directional)
             lamp.power = light.attenuation == Attenuation::inverse ? 1 : light.attenuation == Attenuation::inverseSquare ? 2 : 0;
@@ -76,7 +76,7 @@ glm::dvec3 Illumination::colourOf(uint32_t material, const glm::dvec3& position,
     const Material& m = scene_.materials[material];
     glm::dvec3 colour = glm::dvec3(m.ambient) * glm::dvec3(scene_.ambient) + glm::dvec3(m.emission);
     for (const Lamp& lamp : lamps_) {
-        const glm::dvec3 toLamp = lamp.directional ? lamp.place : lamp.place - position;
+        const glm::dvec3 toLamp = lamp.directional ? lamp.position : lamp.position - position;
         const double distance = lamp.directional ? 1 : lengthOf(toLamp);
         const glm::dvec3 l = lamp.directional ? toLamp : unit(toLamp);
         const double cosine = along(n, l);

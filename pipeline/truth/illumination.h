@@ -28,7 +28,7 @@ public:
 private:
     struct Lamp {
         bool directional = true;
-        glm::dvec3 place{0};  // unit vector toward the light, or its position relative to the eye
+        glm::dvec3 position{0};  // unit vector toward the light, or its position relative to the eye
         glm::dvec3 intensity{0};
         int power = 0;  // exponent of 1 / d
     };

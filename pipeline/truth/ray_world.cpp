@@ -46,15 +46,15 @@ Facet<Real> RayWorld::facetIn(uint32_t i) const {
     for (int k = 0; k < 3; ++k) {
         const glm::dvec3 p = mesh.statedAt(t.vertex[k]);
         const glm::vec3& n = mesh.normals[t.vertex[k]];
-        Real place3[3];
+        Real point[3];
         for (int j = 0; j < 3; ++j) {
             const Real terms[4] = {Real(m[0][j]) * p.x, Real(m[1][j]) * p.y, Real(m[2][j]) * p.z, Real(m[3][j]) - Real(eye[j])};
-            place3[j] = (terms[0] + terms[1]) + (terms[2] + terms[3]);
+            point[j] = (terms[0] + terms[1]) + (terms[2] + terms[3]);
             double sum = 0;
             for (const Real& term : terms) sum += std::abs(double(term));
             size = std::max(size, sum);
         }
-        f.corner[k] = {place3[0], place3[1], place3[2]};
+        f.corner[k] = {point[0], point[1], point[2]};
         const Vec3<Real> smooth = normals[0] * Real(n.x) + normals[1] * Real(n.y) + normals[2] * Real(n.z);
         f.smooth[k] = along(smooth, smooth) > 0 ? unitOf(smooth) : smooth;
     }

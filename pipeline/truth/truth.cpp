@@ -141,14 +141,14 @@ void drawBands(const RenderRequest& request, Truth& out, const Make& make) {
 }
 
 // Positions at which rays pass through a pixel, from its upper left corner, in pixels. `anchor` is the one that the planes hold.
-struct Placement {
+struct SamplePositions {
     std::vector<glm::dvec2> at;
     glm::dvec2 anchor{0};
 };
-Placement placementOf(const RenderRequest& request) {
+SamplePositions positionsOf(const RenderRequest& request) {
     using Sampling = RayChoices::Sampling;
     const uint32_t side = sideOf(request.samples);
-    Placement p;
+    SamplePositions p;
     double inSquare = 0.5;
     switch (request.rays.sampling) {
         case Sampling::grid:
@@ -185,9 +185,9 @@ struct Sample {
 
 // Most rays of a picture, whatever it shows: glass among glass makes trees without end.
 constexpr double kMostRaysOfPicture = 0x1p29;
-truth::RayLimits limitsOf(const RenderRequest& request, const Placement& placement) {
+truth::RayLimits limitsOf(const RenderRequest& request, const SamplePositions& positions) {
     truth::RayLimits limits;
-    const double trees = double(request.width) * request.height * double(placement.at.size());
+    const double trees = double(request.width) * request.height * double(positions.at.size());
     limits.mostRays = uint32_t(std::clamp(kMostRaysOfPicture / trees, 64.0, double(limits.mostRays)));
     return limits;
 }
@@ -195,8 +195,8 @@ truth::RayLimits limitsOf(const RenderRequest& request, const Placement& placeme
 // Samples of a picture by rays, for one thread.
 class RayLooker {
 public:
-    RayLooker(const truth::RayWorld& world, const Pinhole& pinhole, const RenderRequest& request, const Placement& placement)
-        : pinhole_(pinhole), rays_(world, pinhole, glm::dvec3(request.background), limitsOf(request, placement)) {}
+    RayLooker(const truth::RayWorld& world, const Pinhole& pinhole, const RenderRequest& request, const SamplePositions& positions)
+        : pinhole_(pinhole), rays_(world, pinhole, glm::dvec3(request.background), limitsOf(request, positions)) {}
 
     // Sample at (x, y) of the screen from its middle, in pixels.
     Sample look(double x, double y) {
@@ -236,8 +236,8 @@ private:
 template <class Looker>
 class SampleBand {
 public:
-    SampleBand(Looker looker, const Pinhole& pinhole, const RenderRequest& request, const Placement& placement, Truth& out)
-        : request_(request), pinhole_(pinhole), placement_(placement), looker_(std::move(looker)), out_(out) {}
+    SampleBand(Looker looker, const Pinhole& pinhole, const RenderRequest& request, const SamplePositions& positions, Truth& out)
+        : request_(request), pinhole_(pinhole), positions_(positions), looker_(std::move(looker)), out_(out) {}
 
     void draw(uint32_t firstRow, uint32_t rows) {
         for (uint32_t y = firstRow; y < firstRow + rows; ++y)
@@ -255,20 +255,20 @@ private:
         uint32_t covered = 0;
         double leftOut = 0;
         bool anchored = false;
-        for (const glm::dvec2& d : placement_.at) {
+        for (const glm::dvec2& d : positions_.at) {
             const Sample seen = look(x, y, d);
             leftOut += seen.leftOut;
             covered += seen.object != kNone;
             if (!request_.transparent || seen.object != kNone) sum += seen.colour;
-            if (d != placement_.anchor) continue;
+            if (d != positions_.anchor) continue;
             anchored = true;
             write(at, seen);
         }
-        if (!anchored) write(at, look(x, y, placement_.anchor));
-        const double count = request_.transparent ? std::max(covered, 1u) : double(placement_.at.size());
+        if (!anchored) write(at, look(x, y, positions_.anchor));
+        const double count = request_.transparent ? std::max(covered, 1u) : double(positions_.at.size());
         for (int c = 0; c < 3; ++c) out_.linear[3 * at + size_t(c)] = sum[c] / count;
-        out_.alpha[at] = double(covered) / double(placement_.at.size());
-        leftOut_ = std::max(leftOut_, leftOut / double(placement_.at.size()));
+        out_.alpha[at] = double(covered) / double(positions_.at.size());
+        leftOut_ = std::max(leftOut_, leftOut / double(positions_.at.size()));
     }
     Sample look(uint32_t x, uint32_t y, const glm::dvec2& d) {
         return looker_.look(x + d.x - pinhole_.width / 2, y + d.y - pinhole_.height / 2);
@@ -282,7 +282,7 @@ private:
 
     const RenderRequest& request_;
     const Pinhole& pinhole_;
-    const Placement& placement_;
+    const SamplePositions& positions_;
     Looker looker_;
     Truth& out_;
     double leftOut_ = 0;
@@ -290,8 +290,8 @@ private:
 
 // Positions for the polygon fill of the notes, which stands at whole coordinates: pixel (x, y) is the point (x, y) of the screen, and
 // samples lie around it.
-Placement aroundWholeCoordinates(uint32_t samples) {
-    Placement p;
+SamplePositions aroundWholeCoordinates(uint32_t samples) {
+    SamplePositions p;
     const uint32_t side = sideOf(samples);
     for (uint32_t j = 0; j < side; ++j)
         for (uint32_t i = 0; i < side; ++i) p.at.emplace_back((i + 0.5) / side - 0.5, (j + 0.5) / side - 0.5);
@@ -319,17 +319,17 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
     out.traced = request.shading == Shading::ray;
     if (out.traced) {
         const Pinhole pinhole(*scene.camera, out.width, out.height, 1);
-        const Placement placement = placementOf(request);
-        out.samples = uint32_t(placement.at.size());
+        const SamplePositions positions = positionsOf(request);
+        out.samples = uint32_t(positions.at.size());
         const truth::RayWorld world(scene);
         drawBands(request, out,
-                  [&] { return SampleBand(RayLooker(world, pinhole, request, placement), pinhole, request, placement, out); });
+                  [&] { return SampleBand(RayLooker(world, pinhole, request, positions), pinhole, request, positions, out); });
     } else if (request.fill == Fill::notes && !scene.spheres.empty()) {
         const Pinhole pinhole(*scene.camera, out.width, out.height, 1);
-        const Placement placement = aroundWholeCoordinates(request.samples);
+        const SamplePositions positions = aroundWholeCoordinates(request.samples);
         const Geometry geometry(scene, pinhole);
         const Illumination illumination(scene, geometry);
-        drawBands(request, out, [&] { return SampleBand(SphereLooker(scene, illumination, request), pinhole, request, placement, out); });
+        drawBands(request, out, [&] { return SampleBand(SphereLooker(scene, illumination, request), pinhole, request, positions, out); });
     } else {
         const uint32_t side = sideOf(request.samples), drawnSide = sideOf(drawnSamples == 0 ? request.samples : drawnSamples);
         const Geometry geometry(

@@ -54,11 +54,11 @@ SHARED_FN float realOfWord(Word64 value, int exponent) {
     if (negative) magnitude = negatedWord(value);
     uint high = uint(magnitude.high);
     uint low = magnitude.low;
-    int place = 63;  // of the highest bit of `high`
+    int topBit = 63;  // that of the highest bit of `high`
     if (high == 0u) {
         high = low;
         low = 0u;
-        place = 31;
+        topBit = 31;
     }
     int shift = 31 - highestBit(max(high, 1u));  // no plant: what comes of 0 is not read
     if (shift > 0) {
@@ -68,7 +68,7 @@ SHARED_FN float realOfWord(Word64 value, int exponent) {
     uint mantissa = high >> 8u;
     uint rest = high & 255u;
     bool up = rest > 128u || (rest == 128u && (low != 0u || (mantissa & 1u) != 0u));
-    int field = place - shift + exponent + 127;
+    int field = topBit - shift + exponent + 127;
     // A carry out of the mantissa is one more in the exponent.
     // no plant: what comes of a field below 1 is not read
     int bits = (max(field, 1) << 23) + int(mantissa) - 8388608 + pick(up, 1, 0);
