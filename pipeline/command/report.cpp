@@ -16,6 +16,7 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -90,11 +91,10 @@ FrameFacts factsOf(const Frame& frame, bool countColours) {
     facts.pixels = frame.rgba.size();
     facts.covered = frame.coveredPixels;
     if (countColours) facts.distinctColours = distinctColours(frame.rgba);
-    countFaults(facts, frame, "linear", frame.linear, false);
-    countFaults(facts, frame, "depth", frame.depth, true);
-    countFaults(facts, frame, "distance", frame.distance, true);
-    countFaults(facts, frame, "normal", frame.normal, false);
-    countFaults(facts, frame, "z", frame.z, false);
+    forEachPlane([&](const auto& row, auto plane) {
+        if constexpr (std::is_same_v<decltype(row.undrawn), float>)
+            countFaults(facts, frame, row.name, frame.*plane, std::isinf(row.undrawn));
+    });
     return facts;
 }
 

@@ -13,18 +13,9 @@ namespace {
 // Calls body(from's plane, to's plane, numbers a pixel) for each plane that `from` has.
 template <class Body>
 void eachPlane(const Frame& from, Frame& to, const Body& body) {
-    const auto plane = [&](const auto& source, auto& target, size_t channels) {
-        if (!source.empty()) body(source, target, channels);
-    };
-    plane(from.rgba, to.rgba, 1);
-    plane(from.linear, to.linear, 3);
-    plane(from.depth, to.depth, 1);
-    plane(from.distance, to.distance, 1);
-    plane(from.normal, to.normal, 3);
-    plane(from.object, to.object, 1);
-    plane(from.primitive, to.primitive, 1);
-    plane(from.z, to.z, 1);
-    plane(from.triangle, to.triangle, 1);
+    forEachPlane([&](const auto& row, auto plane) {
+        if (!(from.*plane).empty()) body(from.*plane, to.*plane, row.channels);
+    });
 }
 
 constexpr uint32_t kNothing = 0xffffffffu;  // object_id where nothing is drawn

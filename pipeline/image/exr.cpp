@@ -9,11 +9,13 @@
 #include <ImfIO.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
+#include <fmt/core.h>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <exception>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace plumb {
@@ -44,11 +46,11 @@ std::vector<std::byte> encodeExr(const Frame& frame, uint32_t planes, const Meta
     Imf::Header header(int(frame.width), int(frame.height));
     header.compression() = Imf::ZIP_COMPRESSION;
     Imf::FrameBuffer buffer;
-    const auto channel = [&](const char* name, Imf::PixelType type, const void* first, size_t strideBytes) {
+    const auto channel = [&](const std::string& name, Imf::PixelType type, const void* first, size_t strideBytes) {
         header.channels().insert(name, Imf::Channel(type));
         buffer.insert(name, Imf::Slice(type, const_cast<char*>(static_cast<const char*>(first)), strideBytes, strideBytes * width));
     };
-    const auto note = [&](const char* name, const char* text) { header.insert(name, Imf::StringAttribute(text)); };
+    const auto note = [&](const std::string& name, const std::string& text) { header.insert(name, Imf::StringAttribute(text)); };
 
     std::vector<float> associated;  // R G B A, colour multiplied by A
     if ((planes & (kPlaneColour | kPlaneLinear)) != 0) {
@@ -72,35 +74,19 @@ std::vector<std::byte> encodeExr(const Frame& frame, uint32_t planes, const Meta
         channel("B", Imf::FLOAT, colour + 2, stride);
         note("plumb:colour", alpha ? "linear RGB, Rec. 709 primaries, multiplied by A (coverage)" : "linear RGB, Rec. 709 primaries");
     }
-    if ((planes & kPlaneDepth) != 0) {
-        PLUMB_ASSERT(frame.depth.size() == pixels);
-        channel("Z", Imf::FLOAT, frame.depth.data(), sizeof(float));
-        note("plumb:depth", "Z: planar depth along the view axis, scene units, +infinity where nothing is drawn");
-    }
-    if ((planes & kPlaneDistance) != 0) {
-        PLUMB_ASSERT(frame.distance.size() == pixels);
-        channel("distance", Imf::FLOAT, frame.distance.data(), sizeof(float));
-        note("plumb:distance", "Euclidean distance from the eye, scene units, +infinity where nothing is drawn");
-    }
-    if ((planes & kPlaneNormal) != 0) {
-        PLUMB_ASSERT(frame.normal.size() == pixels * 3);
-        channel("normal.X", Imf::FLOAT, frame.normal.data(), 3 * sizeof(float));
-        channel("normal.Y", Imf::FLOAT, frame.normal.data() + 1, 3 * sizeof(float));
-        channel("normal.Z", Imf::FLOAT, frame.normal.data() + 2, 3 * sizeof(float));
-        note("plumb:normal", "world space, unit length, 0 where nothing is drawn");
-    }
-    if ((planes & kPlaneObject) != 0) {
-        PLUMB_ASSERT(frame.object.size() == pixels);
-        channel("object_id", Imf::UINT, frame.object.data(), sizeof(uint32_t));
-        note("plumb:object_id", "order in the scene, 4294967295 where nothing is drawn");
-    }
-    if ((planes & kPlanePrimitive) != 0) {
-        PLUMB_ASSERT(frame.primitive.size() == pixels);
-        channel("primitive_id", Imf::UINT, frame.primitive.data(), sizeof(uint32_t));
-        note("plumb:primitive_id", "face in file order before triangulation, 4294967295 where nothing is drawn");
-    }
+    // Planes of measurements: one channel of the plane's name, or three of its name and an axis. Z is the name that readers expect for depth.
+    forEachPlane([&](const auto& row, auto values) {
+        if ((planes & row.plane) == 0 || row.convention[0] == '\0') return;
+        const auto& plane = frame.*values;
+        PLUMB_ASSERT(plane.size() == pixels * row.channels);
+        const std::string name = row.plane == kPlaneDepth ? "Z" : row.name;
+        const Imf::PixelType type = std::is_same_v<decltype(row.undrawn), float> ? Imf::FLOAT : Imf::UINT;
+        for (uint32_t c = 0; c < row.channels; ++c)
+            channel(row.channels == 1 ? name : name + "." + "XYZ"[c], type, plane.data() + c, row.channels * sizeof plane[0]);
+        note(fmt::format("plumb:{}", row.name), row.convention);
+    });
     note("plumb:sample", "pixel (x, y) is sampled at (x + 0.5, y + 0.5), row 0 on top");
-    for (const auto& [key, value] : metadata) note(("plumb:" + key).c_str(), value.c_str());
+    for (const auto& [key, value] : metadata) note("plumb:" + key, value);
 
     std::vector<std::byte> bytes;
     try {

@@ -6,9 +6,11 @@
 #include <fmt/core.h>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace plumb {
@@ -16,40 +18,17 @@ namespace plumb {
 static_assert(std::endian::native == std::endian::little, "planes are written as they lie in memory, as '<f4' and '<u4'");
 
 std::vector<std::byte> encodeNpy(const Frame& frame, Plane plane) {
-    const char* type = "<f4";
-    int channels = 1;
-    std::span<const std::byte> data;
-    switch (plane) {
-        case kPlaneColour:
-            type = "|u1", channels = 4, data = std::as_bytes(std::span(frame.rgba));
-            break;
-        case kPlaneLinear:
-            channels = 3, data = std::as_bytes(std::span(frame.linear));
-            break;
-        case kPlaneDepth:
-            data = std::as_bytes(std::span(frame.depth));
-            break;
-        case kPlaneDistance:
-            data = std::as_bytes(std::span(frame.distance));
-            break;
-        case kPlaneNormal:
-            channels = 3, data = std::as_bytes(std::span(frame.normal));
-            break;
-        case kPlaneObject:
-            type = "<u4", data = std::as_bytes(std::span(frame.object));
-            break;
-        case kPlanePrimitive:
-            type = "<u4", data = std::as_bytes(std::span(frame.primitive));
-            break;
-        case kPlaneZ:
-            data = std::as_bytes(std::span(frame.z));
-            break;
-        case kPlaneTriangle:
-            type = "<u4", data = std::as_bytes(std::span(frame.triangle));
-            break;
-    }
+    const char* type = "|u1";
+    uint32_t channels = 4;  // bytes of a colour
+    std::span<const std::byte> data = std::as_bytes(std::span(frame.rgba));
+    forEachPlane([&](const auto& row, auto values) {
+        if (row.plane != plane || plane == kPlaneColour) return;
+        type = std::is_same_v<decltype(row.undrawn), float> ? "<f4" : "<u4";
+        channels = row.channels;
+        data = std::as_bytes(std::span(frame.*values));
+    });
     const size_t elementBytes = type[2] == '1' ? 1 : 4;
-    PLUMB_ASSERT(data.size() == size_t(frame.width) * frame.height * size_t(channels) * elementBytes);
+    PLUMB_ASSERT(data.size() == size_t(frame.width) * frame.height * channels * elementBytes);
     const std::string shape = channels == 1 ? fmt::format("({}, {})", frame.height, frame.width)
                                             : fmt::format("({}, {}, {})", frame.height, frame.width, channels);
     std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape);

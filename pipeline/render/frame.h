@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -27,5 +28,40 @@ struct Frame {
     std::vector<uint32_t> object, primitive, triangle;
     uint64_t coveredPixels = 0;  // pixels with at least one covered sample
 };
+
+// One plane of a frame: its bit, its name in reports, the numbers of a pixel, and each of them where nothing is drawn (colours there are the
+// background's).
+template <class Value>
+struct PlaneRow {
+    Plane plane;
+    const char* name;
+    uint32_t channels;
+    Value undrawn;
+    const char* convention;  // one sentence for file formats; empty: no plane of its own in a file with several
+};
+
+// Calls body(row, member) for every plane: the table that writing, files, and comparisons walk. Its order is that in which differences are told:
+// what is seen, its colour, what is measured of it.
+template <class Body>
+void forEachPlane(const Body& body) {
+    constexpr uint32_t kNothing = 0xffffffffu;
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    body(PlaneRow<uint32_t>{kPlaneTriangle, "triangle", 1, kNothing, ""}, &Frame::triangle);
+    body(PlaneRow<uint32_t>{kPlaneObject, "object_id", 1, kNothing, "order in the scene, 4294967295 where nothing is drawn"},
+         &Frame::object);
+    body(PlaneRow<uint32_t>{kPlanePrimitive, "primitive_id", 1, kNothing,
+                            "face in file order before triangulation, 4294967295 where nothing is drawn"},
+         &Frame::primitive);
+    body(PlaneRow<float>{kPlaneZ, "z", 1, 0, ""}, &Frame::z);
+    body(PlaneRow<float>{kPlaneLinear, "linear", 3, 0, ""}, &Frame::linear);
+    body(PlaneRow<uint32_t>{kPlaneColour, "colour", 1, 0, ""}, &Frame::rgba);
+    body(PlaneRow<float>{kPlaneDepth, "depth", 1, kFar,
+                         "Z: planar depth along the view axis, scene units, +infinity where nothing is drawn"},
+         &Frame::depth);
+    body(PlaneRow<float>{kPlaneDistance, "distance", 1, kFar,
+                         "Euclidean distance from the eye, scene units, +infinity where nothing is drawn"},
+         &Frame::distance);
+    body(PlaneRow<float>{kPlaneNormal, "normal", 3, 0, "world space, unit length, 0 where nothing is drawn"}, &Frame::normal);
+}
 
 }  // namespace plumb

@@ -5,7 +5,6 @@
 #include "pipeline/passes/fill.h"
 #include "pipeline/render/render.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -28,20 +27,5 @@ struct Prepared {
 
 // Throws Error(input) for what no pass can draw (a frame or a scene beyond the stated limits). Only the plan's steps depend on the side.
 Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side = RunsOn::device);
-
-// Depth, distance, object and primitive planes from z and triangle; the same host code for device and twin.
-// `pixel` indexes the frame; z, triangle and normal are of the sample that stands for the pixel (side / 2, side / 2).
-class PlaneWriter {
-public:
-    PlaneWriter(const Prepared& prepared, uint32_t planes, Frame& frame);
-    void restart();  // every plane, colour included, as a picture has it in which nothing is drawn
-    void write(uint32_t x, uint32_t y, int zBits, uint32_t triangle, const float* normal);
-
-private:
-    const Prepared& prepared_;
-    uint32_t planes_;
-    Frame& frame_;
-    size_t range_ = 0;
-};
 
 }  // namespace plumb

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The twin draws: the whole list at once, the frame in bands of rows to bound memory.
-#include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
-#include "pipeline/passes/resolve.h"
 #include "pipeline/render/notes/notes.h"
 #include "pipeline/render/notes/spheres_frame.h"
+#include "pipeline/render/raster/triangle_seen.h"
 #include "pipeline/render/raster/twin_frame.h"
 #include "pipeline/render/rays/trace_frame.h"
 #include "pipeline/render/stopwatch.h"
@@ -15,6 +14,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
@@ -50,7 +50,8 @@ void drawRaster(const Prepared& p, const RenderRequest& request, PlaneWriter& wr
     bandRows = std::min(bandRows, uint32_t(list.frame.height));
     std::vector<int> z;
     std::vector<uint32_t> draw;
-    std::vector<float> linear, normal, resolved;
+    std::vector<float> linear, normal;
+    TriangleSeen seen(p);
     const float background[3] = {request.background.x, request.background.y, request.background.z};
     for (uint32_t firstRow = 0; firstRow < uint32_t(list.frame.height); firstRow += bandRows) {
         if (request.onProgress && !request.onProgress(double(firstRow) / list.frame.height)) throw Error(Exit::interrupted, "interrupted");
@@ -79,30 +80,15 @@ void drawRaster(const Prepared& p, const RenderRequest& request, PlaneWriter& wr
             }
         }
         const uint32_t rows = uint32_t(band.rows) / side, firstPixelRow = firstRow / side;
-        const size_t first = size_t(firstPixelRow) * p.width, pixels = size_t(rows) * p.width;
+        const SampleLayout layout{uint32_t(band.width), side, side, side / 2};
+        const std::span<const int> drawn(z);
         const Stopwatch watch(&result.times, side > 1 ? "resolve" : "encode");
-        std::span<uint32_t> rgba(result.frame.rgba.data() + first, pixels);
-        resolved.resize(side > 1 ? 3 * pixels : 0);
-        if (side > 1) {
-            resolveCpu(p.width, rows, side, request.transparent, p.choices.encoding, linear, z, resolved, rgba, threads);
-        } else {
-            parallelBands(pixels, 4096, threads, [&](uint64_t begin, uint64_t end) {
-                for (uint64_t i = begin; i < end; ++i)
-                    if (draw[i]) rgba[i] = encodePixelCpu(p.choices.encoding, &linear[3 * i], 255);
-            });
-        }
-        if (request.planes & kPlaneLinear)
-            std::copy_n((side > 1 ? resolved : linear).begin(), 3 * pixels, result.frame.linear.begin() + ptrdiff_t(3 * first));
-        for (uint32_t y = 0; y < rows; ++y)
-            for (uint32_t x = 0; x < p.width; ++x) {
-                bool covered = false;
-                for (uint32_t k = 0; k < side * side; ++k)
-                    covered |= draw[size_t(y * side + k / side) * size_t(band.width) + x * side + k % side] != 0;
-                result.frame.coveredPixels += covered;
-                const size_t at = size_t(y * side + side / 2) * size_t(band.width) + x * side + side / 2;
-                if (draw[at])
-                    writer.write(x, firstPixelRow + y, z[at], g.draws[draw[at] - 1].source, wantNormal ? &normal[3 * at] : nullptr);
-            }
+        writer.takeColours(firstPixelRow, rows, {layout, linear, drawn}, threads);
+        writer.takeCoverage(rows, layout, drawn);
+        writer.takeSeen(firstPixelRow, rows, layout, drawn, [&](uint32_t x, uint32_t y, size_t at) {
+            const float* n = wantNormal ? &normal[3 * at] : nullptr;
+            return seen.at(x, y, z[at], g.draws[draw[at] - 1].source, n ? glm::vec3(n[0], n[1], n[2]) : glm::vec3(0));
+        });
         for (uint32_t d : draw) result.counters.illuminations += d != 0;
         ++result.counters.bands;
     }
@@ -121,7 +107,7 @@ RenderResult renderCpu(const Scene& scene, const RenderRequest& request) {
     RenderResult result;
     result.plan = p.plan;
     result.counters = p.counters;
-    PlaneWriter writer(p, request.planes, result.frame);
+    PlaneWriter writer(p, request, result.frame);
     if (request.shading == Shading::ray)
         traceFrameCpu(p, scene, request, result);
     else if (request.shading == Shading::wire)

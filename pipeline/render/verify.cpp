@@ -124,6 +124,11 @@ private:
         };
         return code >= codeOf(ends[0]) - report_.boundSteps && code <= codeOf(ends[1]) + report_.boundSteps;
     }
+    bool colourAsNear(uint32_t twin, uint32_t device, const float* linear) const {
+        bool near = twin >> 24 == device >> 24;
+        for (size_t c = 0; near && c < 3; ++c) near = codeAsNear(device >> (8 * c) & 0xff, linear[c], c);
+        return near;
+    }
 
     // One chunk (the whole list where it fits), one band at a time is enough: chunks and bands are compared by the chain.
     void passes() {
@@ -321,19 +326,12 @@ private:
             return c;
         };
         comparePlane("coverage", coverage(t), coverage(d), 1);
-        comparePlane("triangle", t.triangle, d.triangle, 1);
-        comparePlane("object_id", t.object, d.object, 1);
-        comparePlane("primitive_id", t.primitive, d.primitive, 1);
-        comparePlane("z", t.z, d.z, 1);
-        comparePlane("linear", t.linear, d.linear, 3, [&](size_t i) { return asNear(t.linear[i], d.linear[i], i % 3); });
-        comparePlane("colour", t.rgba, d.rgba, 1, [&](size_t i) {
-            bool near = report_.bounded && t.rgba[i] >> 24 == d.rgba[i] >> 24;
-            for (size_t c = 0; near && c < 3; ++c) near = codeAsNear(d.rgba[i] >> (8 * c) & 0xff, t.linear[3 * i + c], c);
-            return near;
+        forEachPlane([&](const auto& row, auto plane) {
+            comparePlane(row.name, t.*plane, d.*plane, row.channels, [&](size_t i) {
+                if (row.plane == kPlaneLinear) return asNear(t.linear[i], d.linear[i], i % 3);
+                return row.plane == kPlaneColour && report_.bounded && colourAsNear(t.rgba[i], d.rgba[i], &t.linear[3 * i]);
+            });
         });
-        comparePlane("depth", t.depth, d.depth, 1);
-        comparePlane("distance", t.distance, d.distance, 1);
-        comparePlane("normal", t.normal, d.normal, 3);
         const RenderCounters &a = report_.twin.counters, &b = report_.device.counters;
         const std::pair<const char*, std::pair<uint64_t, uint64_t>> counts[] = {{"drawn triangles", {a.drawnTriangles, b.drawnTriangles}},
                                                                                 {"back-facing", {a.culledBackFace, b.culledBackFace}},

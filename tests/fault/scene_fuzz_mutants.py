@@ -22,8 +22,8 @@ import compile_words  # noqa: E402
 PROGRAM, MOST_SCENES = "scene_fuzz_test", 1000
 # (what then happens, unit, file that is changed, text, its replacement)
 MUTANTS = [
-    ("an undrawn picture of the device is black in linear", "pipeline/render/prepare.cpp", None,
-     "std::copy_n(&prepared_.undrawnLinear.x, 3, frame.linear.begin() + ptrdiff_t(3 * i));", "std::fill_n(frame.linear.begin() + ptrdiff_t(3 * i), 3, 0.0f);"),
+    ("an undrawn picture of the device is black in linear", "pipeline/render/planes.cpp", None,
+     "std::copy_n(&prepared_.undrawnLinear.x, 3, frame_.linear.begin() + ptrdiff_t(3 * i));", "std::fill_n(frame_.linear.begin() + ptrdiff_t(3 * i), 3, 0.0f);"),
     ("the twin rounds coverage down", "pipeline/passes/resolve_cpu.cpp", "shaders/shared/resolve.h",
      "(covered * 255u + (samples >> 1u)) / samples", "(covered * 255u) / samples"),
     ("no board is mirrored to the twin's rays", "pipeline/passes/trace_cpu.cpp", None,

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/notes/notes.h"
 
-#include "pipeline/passes/encode.h"
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/parallel.h"
-#include "pipeline/passes/resolve.h"
 #include "pipeline/render/notes/polygons.h"
+#include "pipeline/render/planes.h"
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/scene/camera.h"
 #include "pipeline/scene/flattened.h"
@@ -308,7 +307,9 @@ private:
     void finish(const ScanCanvas& canvas) {
         if (result_.counters.illuminations == 0) result_.plan.skip("illuminate", "nothing is seen that is lit");
         const size_t pixels = canvas.owner.size();
-        std::vector<glm::vec3> linear(pixels, p_.backgroundLinear), normals;
+        std::vector<float> linear(3 * pixels);
+        for (size_t i = 0; i < pixels; ++i) setColour(linear, i, p_.backgroundLinear);
+        std::vector<glm::vec3> normals;
         std::vector<uint32_t> covered;
         for (size_t i = 0; i < pixels; ++i)
             if (canvas.owner[i] != gpu::kNoPolygon) covered.push_back(uint32_t(i));
@@ -335,13 +336,17 @@ private:
             }
             if (!covered.empty()) {
                 const std::vector<glm::vec4> colours = side_.illuminate(points, kNone);
-                for (size_t k = 0; k < covered.size(); ++k) linear[covered[k]] = glm::vec3(colours[k]);
+                for (size_t k = 0; k < covered.size(); ++k) setColour(linear, covered[k], glm::vec3(colours[k]));
             }
             result_.counters.illuminations += covered.size();
         } else {
-            for (uint32_t i : covered) linear[i] = canvas.carried[i];
+            for (uint32_t i : covered) setColour(linear, i, canvas.carried[i]);
         }
         write(canvas, covered, linear, normals);
+    }
+
+    static void setColour(std::vector<float>& linear, size_t sample, const glm::vec3& colour) {
+        std::copy_n(&colour.x, 3, linear.begin() + ptrdiff_t(3 * sample));
     }
 
     // Direction to the sample, forward component 1. The notes' pixel (x, y) is the point (x, y) of the screen, not the middle of a cell.
@@ -351,60 +356,51 @@ private:
         return forward_ + right_ * (x / focal_) + down_ * (y / focal_);
     }
 
-    // Place in the picture of a sample, or none when another sample stands for its pixel in the planes beside colour.
-    std::optional<size_t> pixelOf(size_t sample) const {
-        const size_t column = sample % size_t(list_.width), row = sample / size_t(list_.width), side = p_.side;
-        if (column % side != side / 2 || row % side != side / 2) return std::nullopt;
-        return row / side * p_.width + column / side;
-    }
+    // What the polygon that owns a sample shows there.
+    class Seen : public SeenNothing {
+    public:
+        Seen(const NotesFrame& frame, const ScanCanvas& canvas, size_t sample, const glm::vec3& normal)
+            : frame_(frame),
+              from_(frame.from_[canvas.owner[sample]]),
+              sample_(sample),
+              depth_(frame.depthOf(canvas.z[sample])),
+              normal_(normal) {}
+        float z() const { return float(frame_.near_ / depth_); }
+        float depth() const { return float(depth_); }
+        float distance() const {
+            const dvec3 ray = frame_.pixelRay(sample_);
+            return float(depth_ * std::sqrt(glm::dot(ray, ray)));
+        }
+        glm::vec3 normal() const { return normal_; }
+        uint32_t triangle() const { return from_.triangle; }
+        uint32_t object() const { return range().sceneObject; }
+        uint32_t primitive() const { return frame_.p_.list.facePrimitive[range().firstFace + from_.face]; }
 
-    void write(const ScanCanvas& canvas, const std::vector<uint32_t>& covered, const std::vector<glm::vec3>& linear,
+    private:
+        const DrawList::Range& range() const { return frame_.p_.list.ranges[from_.range]; }
+        const NotesFrame& frame_;
+        const NotesPolygon& from_;
+        const size_t sample_;
+        const double depth_;
+        const glm::vec3 normal_;
+    };
+
+    // `normals`: of the covered samples, in their order; empty where none are asked for.
+    void write(const ScanCanvas& canvas, const std::vector<uint32_t>& covered, const std::vector<float>& linear,
                const std::vector<glm::vec3>& normals) {
-        Frame& out = result_.frame;
-        PlaneWriter(p_, request_.planes, out);  // every plane as if nothing were drawn
-        writeColour(covered, linear);
-        for (size_t k = 0; k < covered.size(); ++k) {
-            const size_t i = covered[k];
-            const std::optional<size_t> at = pixelOf(i);
-            if (!at) continue;
-            const NotesPolygon& from = from_[canvas.owner[i]];
-            const double depth = depthOf(canvas.z[i]);
-            const dvec3 ray = pixelRay(i);
-            if (request_.planes & kPlaneZ) out.z[*at] = float(near_ / depth);
-            if (request_.planes & kPlaneDepth) out.depth[*at] = float(depth);
-            if (request_.planes & kPlaneDistance) out.distance[*at] = float(depth * std::sqrt(glm::dot(ray, ray)));
-            if (request_.planes & kPlaneNormal) std::copy_n(&normals[k].x, 3, out.normal.begin() + ptrdiff_t(3 * *at));
-            if (request_.planes & kPlaneTriangle) out.triangle[*at] = from.triangle;
-            if (request_.planes & kPlaneObject) out.object[*at] = p_.list.ranges[from.range].sceneObject;
-            if (request_.planes & kPlanePrimitive)
-                out.primitive[*at] = p_.list.facePrimitive[p_.list.ranges[from.range].firstFace + from.face];
+        PlaneWriter writer(p_, request_, result_.frame);
+        std::vector<int> drawn(canvas.owner.size(), 0);  // covered samples, counted from 1
+        for (size_t k = 0; k < covered.size(); ++k) drawn[covered[k]] = int(k + 1);
+        const SampleLayout layout{uint32_t(list_.width), p_.side, p_.side, p_.side / 2};
+        {
+            const Stopwatch watch(&result_.times, p_.side > 1 ? "resolve" : "encode");
+            writer.takeColours(0, p_.height, {layout, linear, drawn}, threadCount(request_.threads));
         }
+        writer.takeCoverage<int>(p_.height, layout, drawn);
+        writer.takeSeen<int>(0, p_.height, layout, drawn, [&](uint32_t, uint32_t, size_t sample) {
+            return Seen(*this, canvas, sample, normals.empty() ? glm::vec3(0) : normals[size_t(drawn[sample] - 1)]);
+        });
         result_.counters.bands = result_.counters.chunks = 1;
-    }
-
-    // Encoded and linear colour; samples are resolved in linear light, by the same host code for both sides.
-    void writeColour(const std::vector<uint32_t>& covered, const std::vector<glm::vec3>& linear) {
-        const Stopwatch watch(&result_.times, p_.side > 1 ? "resolve" : "encode");
-        Frame& out = result_.frame;
-        std::vector<float> samples(3 * linear.size());
-        for (size_t i = 0; i < linear.size(); ++i) std::copy_n(&linear[i].x, 3, samples.begin() + ptrdiff_t(3 * i));
-        if (p_.side == 1) {
-            out.coveredPixels = covered.size();
-            for (uint32_t i : covered) out.rgba[i] = encodePixelCpu(p_.choices.encoding, &linear[i].x, 255);
-            if (request_.planes & kPlaneLinear) out.linear = samples;
-            return;
-        }
-        std::vector<int> drawn(linear.size(), 0);
-        std::vector<uint8_t> any(out.rgba.size(), 0);
-        for (uint32_t i : covered) {
-            drawn[i] = 1;
-            any[size_t(i) / size_t(list_.width) / p_.side * p_.width + size_t(i) % size_t(list_.width) / p_.side] = 1;
-        }
-        out.coveredPixels = uint64_t(std::count(any.begin(), any.end(), uint8_t(1)));
-        std::vector<float> resolved(3 * out.rgba.size());
-        resolveCpu(p_.width, p_.height, p_.side, request_.transparent, p_.choices.encoding, samples, drawn, resolved, out.rgba,
-                   request_.threads);
-        if (request_.planes & kPlaneLinear) out.linear = resolved;
     }
 
     const Scene& scene_;

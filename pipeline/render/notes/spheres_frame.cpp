@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/notes/spheres_frame.h"
 
-#include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
+#include "pipeline/render/planes.h"
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/scene/text.h"
 
@@ -59,34 +59,54 @@ SphereLight lightOf(const Scene& scene, const Prepared& p) {
     return {p.choices.parts, p.list.materials, p.list.lights, scene.wholeSphereHeights, float(p.unit)};
 }
 
+// What a disc shows at a pixel. Rays are parallel: the distance is the depth.
+class DiscSeen : public SeenNothing {
+public:
+    DiscSeen(const Scene& scene, const Prepared& p, const Listed& listed, const SphereCanvas& canvas, size_t pixel)
+        : scene_(scene),
+          p_(p),
+          sphere_(listed.from[canvas.owner[pixel]]),
+          disc_(listed.list.discs[canvas.owner[pixel]]),
+          pixel_(pixel),
+          depth_(float(double(canvas.depth[pixel]) / p.unit)) {}
+    float z() const { return p_.near / depth_; }
+    float depth() const { return depth_; }
+    float distance() const { return depth_; }
+    glm::vec3 normal() const {
+        const int x = int(pixel_ % p_.width) - disc_.column, y = disc_.row - int(pixel_ / p_.width);
+        const gpu::Surface s = gpu::sphereSurface(disc_, x, y, gpu::sphereHeight(disc_, x, y, scene_.wholeSphereHeights), 1);
+        return {s.nx, s.ny, s.nz};
+    }
+    uint32_t object() const { return uint32_t(scene_.objects.size()) + sphere_; }
+    uint32_t primitive() const { return 0; }
+
+private:
+    const Scene& scene_;
+    const Prepared& p_;
+    const uint32_t sphere_;
+    const gpu::SphereDisc& disc_;
+    const size_t pixel_;
+    const float depth_;
+};
+
 void write(const Scene& scene, const Prepared& p, const RenderRequest& request, const Listed& listed, const SphereCanvas& canvas,
            RenderResult& result) {
     const Stopwatch watch(&result.times, "encode");
-    Frame& out = result.frame;
-    const PlaneWriter restarted(p, request.planes, out);  // every plane as if nothing were drawn
-    const uint32_t width = p.width;
-    for (size_t i = 0; i < canvas.owner.size(); ++i) {
-        const bool covered = canvas.owner[i] != gpu::kNoSphere;
-        const glm::vec3 linear = covered ? glm::vec3(canvas.colour[i]) : p.backgroundLinear;
-        if (request.planes & kPlaneLinear) std::copy_n(&linear.x, 3, out.linear.begin() + ptrdiff_t(3 * i));
-        if (!covered) continue;
-        ++out.coveredPixels;
-        const gpu::SphereDisc& d = listed.list.discs[canvas.owner[i]];
-        const float depth = float(double(canvas.depth[i]) / p.unit);
-        out.rgba[i] = encodePixelCpu(p.choices.encoding, &linear.x, 255);
-        if (request.planes & kPlaneZ) out.z[i] = p.near / depth;
-        if (request.planes & kPlaneDepth) out.depth[i] = depth;
-        if (request.planes & kPlaneDistance) out.distance[i] = depth;  // rays are parallel
-        if (request.planes & kPlaneNormal) {
-            const int x = int(i % width) - d.column, y = d.row - int(i / width);
-            const gpu::Surface s = gpu::sphereSurface(d, x, y, gpu::sphereHeight(d, x, y, scene.wholeSphereHeights), 1);
-            std::copy_n(&glm::vec3(s.nx, s.ny, s.nz)[0], 3, out.normal.begin() + ptrdiff_t(3 * i));
-        }
-        if (request.planes & kPlaneObject) out.object[i] = uint32_t(scene.objects.size()) + listed.from[canvas.owner[i]];
-        if (request.planes & kPlanePrimitive) out.primitive[i] = 0;
+    PlaneWriter writer(p, request, result.frame);
+    std::vector<int> drawn(canvas.owner.size());
+    std::vector<float> linear(3 * canvas.owner.size());
+    for (size_t i = 0; i < drawn.size(); ++i) {
+        drawn[i] = canvas.owner[i] != gpu::kNoSphere;
+        const glm::vec3 colour = drawn[i] ? glm::vec3(canvas.colour[i]) : p.backgroundLinear;
+        std::copy_n(&colour.x, 3, linear.begin() + ptrdiff_t(3 * i));
     }
+    const SampleLayout layout{p.width, 1, 1, 0};
+    writer.takeColours(0, p.height, {layout, linear, drawn}, threadCount(request.threads));
+    writer.takeCoverage<int>(p.height, layout, drawn);
+    writer.takeSeen<int>(0, p.height, layout, drawn,
+                         [&](uint32_t, uint32_t, size_t pixel) { return DiscSeen(scene, p, listed, canvas, pixel); });
     result.counters.objectsDrawn = listed.list.discs.size();
-    result.counters.illuminations = out.coveredPixels;
+    result.counters.illuminations = result.frame.coveredPixels;
     result.counters.bands = result.counters.chunks = 1;
 }
 

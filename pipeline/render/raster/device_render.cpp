@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/raster/device_render.h"
 
+#include "pipeline/render/raster/triangle_seen.h"
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/render/wire/wire.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <utility>
 
@@ -82,7 +84,7 @@ uint64_t DeviceRender::chunkTriangles(uint32_t planes) const {
 
 RenderResult DeviceRender::draw() {
     const Stopwatch total(nullptr, "");
-    PlaneWriter writer(p_, request_.planes, result_.frame);
+    PlaneWriter writer(p_, request_, result_.frame);
     if (request_.shading == Shading::wire) {
         drawWireGpu(device_, scene_, p_, request_, result_);
         result_.plan.close(result_.times);
@@ -109,7 +111,6 @@ RenderResult DeviceRender::draw() {
             planes |= gpu::kFillPlaneZ;
             result_.counters = p_.counters;
             writer.restart();
-            result_.frame.coveredPixels = 0;
         }
     }
     result_.times = frame_.recorder().takeTimes();
@@ -185,54 +186,29 @@ void DeviceRender::drawNormals(uint32_t planes, bool prior) {
 }
 
 void DeviceRender::readBand(PlaneWriter& writer, const gpu::FrameBox& band, uint32_t planes) {
-    const uint32_t side = p_.side, rows = uint32_t(band.rows) / side, firstPixelRow = uint32_t(band.firstRow) / side;
-    const std::span<const uint32_t> words = side > 1 ? frame_.resolvedColours() : frame_.colourWords();
-    const uint32_t pitch = side > 1 ? frame_.resolvedRowPixels() : frame_.rowPixels();
-    Frame& out = result_.frame;
-    // On the device alpha is 0 where nothing is drawn; that counts the covered pixels, then the picture is made opaque.
-    const uint32_t opaque = request_.transparent ? 0u : 0xff000000u;
-    uint64_t covered = 0;
-    for (uint32_t y = 0; y < rows; ++y) {
-        const uint32_t* from = words.data() + size_t(y) * pitch;
-        uint32_t* to = out.rgba.data() + size_t(firstPixelRow + y) * p_.width;
-        for (uint32_t x = 0; x < p_.width; ++x) {
-            covered += from[x] >> 31;
-            to[x] = from[x] | opaque;
-        }
-    }
-    if (side == 1) out.coveredPixels += covered;
-    const uint32_t samplePitch = frame_.rowPixels();
+    const uint32_t side = p_.side, rows = uint32_t(band.rows) / side, firstRow = uint32_t(band.firstRow) / side;
+    const SampleLayout layout{frame_.rowPixels(), side, side, side / 2};
     const uint32_t linearSlot = planes & gpu::kFillPlaneTriangle ? 2 : 1;
     const uint32_t normalSlot = linearSlot + (planes & gpu::kFillPlaneLinear ? 3 : 0);
-    if (request_.planes & kPlaneLinear)
-        for (uint32_t i = 0; i < 3; ++i) {
-            const std::span<const uint32_t> plane = frame_.plane(linearSlot + i);
-            const std::span<const float> resolved = side > 1 ? frame_.resolvedLinear(i) : std::span<const float>();
-            for (uint32_t y = 0; y < rows; ++y)
-                for (uint32_t x = 0; x < p_.width; ++x)
-                    out.linear[3 * (size_t(firstPixelRow + y) * p_.width + x) + i] =
-                        side > 1 ? resolved[size_t(y) * pitch + x] : gpu::realOf(int(plane[size_t(y) * samplePitch + x]));
-        }
-    if (!(planes & gpu::kFillPlaneZ)) {
-        if (p_.choices.shading == gpu::kShadingPhong) result_.counters.illuminations = out.coveredPixels;
-        return;
-    }
-    const std::span<const uint32_t> z = frame_.plane(0);
-    const std::span<const uint32_t> triangle = planes & gpu::kFillPlaneTriangle ? frame_.plane(1) : z;
-    std::span<const uint32_t> normals[3];
-    const bool wantNormal = planes & gpu::kFillPlaneNormal;
-    for (uint32_t i = 0; wantNormal && i < 3; ++i) normals[i] = frame_.plane(normalSlot + i);
-    for (uint32_t y = 0; y < rows; ++y)
-        for (uint32_t x = 0; x < p_.width; ++x) {
-            uint32_t samples = 0;
-            for (uint32_t k = 0; k < side * side; ++k) samples += z[size_t(y * side + k / side) * samplePitch + x * side + k % side] != 0;
-            if (side > 1) out.coveredPixels += samples != 0;
-            if (p_.choices.shading == gpu::kShadingPhong) result_.counters.illuminations += samples;
-            const size_t at = size_t(y * side + side / 2) * samplePitch + x * side + side / 2;
-            float normal[3] = {0, 0, 0};
-            for (uint32_t i = 0; wantNormal && i < 3; ++i) normal[i] = gpu::realOf(int(normals[i][at]));
-            writer.write(x, firstPixelRow + y, int(z[at]), triangle[at], wantNormal ? normal : nullptr);
-        }
+    PlaneWriter::DeviceRows colours{frame_.colourWords(), frame_.rowPixels(), {}, frame_.rowPixels()};
+    if (side > 1) colours = {frame_.resolvedColours(), frame_.resolvedRowPixels(), {}, frame_.resolvedRowPixels()};
+    for (uint32_t i = 0; i < 3 && writer.wants(kPlaneLinear); ++i)
+        colours.linear[i] = side > 1 ? frame_.resolvedLinear(i).data() : frame_.plane(linearSlot + i).data();
+    const uint64_t covered = writer.takeColours(firstRow, rows, colours);
+    if (side == 1) result_.frame.coveredPixels += covered;
+    const std::span<const uint32_t> z = planes & gpu::kFillPlaneZ ? frame_.plane(0) : std::span<const uint32_t>();
+    const uint64_t samples = side > 1 ? writer.takeCoverage(rows, layout, z) : covered;
+    if (p_.choices.shading == gpu::kShadingPhong) result_.counters.illuminations += samples;
+    if (!(planes & gpu::kFillPlaneTriangle)) return;
+    const std::span<const uint32_t> triangle = frame_.plane(1);
+    const uint32_t* normals[3] = {};
+    for (uint32_t i = 0; i < 3 && writer.wants(kPlaneNormal); ++i) normals[i] = frame_.plane(normalSlot + i).data();
+    TriangleSeen seen(p_);
+    writer.takeSeen(firstRow, rows, layout, z, [&](uint32_t x, uint32_t y, size_t at) {
+        glm::vec3 normal(0);
+        for (int i = 0; i < 3 && normals[i]; ++i) normal[i] = gpu::realOf(int(normals[i][at]));
+        return seen.at(x, y, int(z[at]), triangle[at], normal);
+    });
 }
 
 }  // namespace plumb

@@ -3,6 +3,7 @@
 // chunks keep z, triangle and colour in planes between them, and give the same bytes.
 #pragma once
 
+#include "pipeline/render/planes.h"
 #include "pipeline/render/raster/gpu_frame.h"
 
 #include <cstdint>

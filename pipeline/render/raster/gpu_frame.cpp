@@ -516,9 +516,9 @@ std::span<const uint32_t> GpuFrame::plane(uint32_t slot) const {
 std::span<const uint32_t> GpuFrame::resolvedColours() const {
     return {static_cast<const uint32_t*>(resolved_.data()), size_t(resolved_.count()) * 4};
 }
-std::span<const float> GpuFrame::resolvedLinear(uint32_t channel) const {
+std::span<const uint32_t> GpuFrame::resolvedLinear(uint32_t channel) const {
     const size_t quads = size_t(resolvedQuads_) * size_t(band_.rows) / prepared_.side;
-    return {static_cast<const float*>(resolvedLinear_.data()) + channel * quads * 4, quads * 4};
+    return {static_cast<const uint32_t*>(resolvedLinear_.data()) + channel * quads * 4, quads * 4};
 }
 
 }  // namespace plumb

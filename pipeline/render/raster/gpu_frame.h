@@ -68,7 +68,7 @@ public:
     std::span<const uint32_t> colourWords() const;         // of the band; of all so far after keepBands(). Row pitch: rowPixels()
     std::span<const uint32_t> plane(uint32_t slot) const;  // of the sample planes
     std::span<const uint32_t> resolvedColours() const;     // row pitch: resolvedRowPixels()
-    std::span<const float> resolvedLinear(uint32_t channel) const;
+    std::span<const uint32_t> resolvedLinear(uint32_t channel) const;  // float32
     uint32_t resolvedRowPixels() const { return resolvedQuads_ * 4; }
 
     Recorder& recorder() { return recorder_; }

@@ -44,7 +44,8 @@ public:
           choices_(traceChoicesOf(scene, request, p, traced_)),
           push_(tracePushOf(p, request, traced_)),
           recorder_(device),
-          planes_(p, scene, request, grid_, result.frame),
+          planes_(p, request, result.frame),
+          seen_(p, scene, request, grid_),
           counters_(gpu::kCounters) {
         recorder_.allow(p.plan.labels(RunsOn::device));
         const uint64_t steps = stepsOfRay(traced_);
@@ -268,38 +269,35 @@ private:
     }
     static uint32_t linearSlotOf(uint32_t planes) { return planes & gpu::kTracePlaneObject ? 2 : 1; }
     const uint32_t* plane(uint32_t slot) const { return buffers_.planeWords.span().data() + size_t(slot) * push_.planeWords; }
-    size_t at(uint32_t x, uint32_t y, uint32_t i, uint32_t j) const {
-        return size_t(y * grid_.stride + j) * push_.rowWords + x * grid_.stride + i;
-    }
-
     void read(uint32_t firstRow, uint32_t rows) {
-        const uint32_t side = grid_.side, pitch = resolves() ? resolvedQuads_ * 4 : push_.rowWords;
-        const auto* words = static_cast<const uint32_t*>(resolves() ? resolved_.data() : buffers_.colours.data());
-        const uint32_t opaque = request_.transparent ? 0u : 0xff000000u;
+        const SampleLayout layout = grid_.inRowsOf(push_.rowWords);
         const uint32_t linearSlot = linearSlotOf(choices_.planes),
                        normalSlot = linearSlot + (choices_.planes & gpu::kTracePlaneLinear ? 3 : 0);
-        Frame& out = result_.frame;
-        for (uint32_t y = 0; y < rows; ++y)
-            for (uint32_t x = 0; x < p_.width; ++x) {
-                const size_t pixel = size_t(firstRow + y) * p_.width + x;
-                const uint32_t word = words[size_t(y) * pitch + x];
-                out.rgba[pixel] = word | opaque;
-                bool any = !resolves() && word >> 31 != 0;
-                for (uint32_t k = 0; resolves() && k < side * side; ++k) any |= plane(0)[at(x, y, k % side, k / side)] != 0;
-                out.coveredPixels += any;
-                const size_t sample = at(x, y, grid_.anchor, grid_.anchor);
-                for (uint32_t i = 0; i < 3 && (request_.planes & kPlaneLinear); ++i)
-                    out.linear[3 * pixel + i] =
-                        resolves() ? resolvedLinear(i)[size_t(y) * pitch + x] : gpu::realOf(int(plane(linearSlot + i)[sample]));
-                if (!(choices_.planes & gpu::kTracePlaneObject)) continue;
-                float normal[3] = {0, 0, 0};
-                for (uint32_t i = 0; i < 3 && (request_.planes & kPlaneNormal); ++i)
-                    normal[i] = gpu::realOf(int(plane(normalSlot + i)[sample]));
-                planes_.write(x, firstRow + y, plane(0)[sample], plane(1)[sample], normal);
-            }
+        const uint32_t pitch = resolves() ? resolvedQuads_ * 4 : push_.rowWords;
+        PlaneWriter::DeviceRows colours{resolves() ? wordsOf(resolved_) : wordsOf(buffers_.colours), pitch, {}, pitch};
+        for (uint32_t i = 0; i < 3 && planes_.wants(kPlaneLinear); ++i)
+            colours.linear[i] = resolves() ? resolvedLinear(i) : plane(linearSlot + i);
+        const uint64_t covered = planes_.takeColours(firstRow, rows, colours);
+        const std::span<const uint32_t> distance(plane(0), choices_.planes & gpu::kTracePlaneDistance ? push_.planeWords : 0);
+        if (resolves())
+            planes_.takeCoverage(rows, layout, distance);
+        else
+            result_.frame.coveredPixels += covered;
+        if (!(choices_.planes & gpu::kTracePlaneObject)) return;
+        const uint32_t* object = plane(1);
+        planes_.takeSeen(firstRow, rows, layout, distance, [&](uint32_t x, uint32_t y, size_t sample) {
+            glm::vec3 normal(0);
+            for (uint32_t i = 0; i < 3 && planes_.wants(kPlaneNormal); ++i)
+                normal[int(i)] = gpu::realOf(int(plane(normalSlot + i)[sample]));
+            return seen_.at(x, y, distance[sample], object[sample], normal);
+        });
     }
-    const float* resolvedLinear(uint32_t channel) const {
-        return static_cast<const float*>(resolvedLinear_.data()) + size_t(channel) * resolvedQuads_ * 4 * resolvedRows_;
+    template <class T>
+    static std::span<const uint32_t> wordsOf(const Buffer<T>& buffer) {
+        return {static_cast<const uint32_t*>(buffer.data()), buffer.count() * (sizeof(T) / 4)};
+    }
+    const uint32_t* resolvedLinear(uint32_t channel) const {
+        return static_cast<const uint32_t*>(resolvedLinear_.data()) + size_t(channel) * resolvedQuads_ * 4 * resolvedRows_;
     }
 
     // Pixels whose corners differ, again by the samples of a grid. The band's planes are overwritten, so but for the row that the next band shares.
@@ -331,13 +329,10 @@ private:
             buffers_.planeWords.reserve(device_, uint64_t(push.planeWords) * slotsOf(choices.planes), "planes");
             trace(push, choices, 0, push.planeWords, double(push.planeWords));
             resolve(push, choices, kFineSide, kFineSide, count, 1);
-            const auto* words = static_cast<const uint32_t*>(resolved_.data());
-            for (size_t i = 0; i < some.size(); ++i) {
-                const size_t pixel = size_t(some[i] >> 16) * p_.width + (some[i] & 0xffffu);
-                result_.frame.rgba[pixel] = words[i] | (request_.transparent ? 0u : 0xff000000u);
-                for (uint32_t k = 0; k < 3 && (request_.planes & kPlaneLinear); ++k)
-                    result_.frame.linear[3 * pixel + k] = resolvedLinear(k)[i];
-            }
+            const std::span<const uint32_t> words = wordsOf(resolved_);
+            const auto* linear = static_cast<const float*>(resolvedLinear_.data());
+            for (size_t i = 0; i < some.size(); ++i)
+                planes_.replaceColour(some[i] & 0xffffu, some[i] >> 16, words[i], linear + i, size_t(resolvedQuads_) * 4 * resolvedRows_);
         }
         std::swap(coarse, buffers_.planeWords);
     }
@@ -351,7 +346,8 @@ private:
     TraceChoices choices_;
     gpu::TracePush push_;
     Recorder recorder_;
-    TracePlanes planes_;
+    PlaneWriter planes_;
+    RaySeen seen_;
     std::vector<uint64_t> counters_;
     TraceBuffers buffers_;
     Buffer<glm::uvec4> resolved_;

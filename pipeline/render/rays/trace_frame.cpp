@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The twin of a traced picture.
-#include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/rays/trace_samples.h"
@@ -52,7 +51,8 @@ public:
           traced_(traceSceneOf(scene, p)),
           choices_(traceChoicesOf(scene, request, p, traced_)),
           push_(tracePushOf(p, request, traced_)),
-          planes_(p, scene, request, grid_, result.frame),
+          planes_(p, request, result.frame),
+          seen_(p, scene, request, grid_),
           threads_(threadCount(request.threads)),
           counters_(gpu::kCounters) {}
 
@@ -82,42 +82,21 @@ private:
             const Stopwatch watch(&result_.times, "trace");
             traceCpu(push_, traced_, choices_, samples_.from(kept), counters_, threads_);
         }
+        const std::span<const int> drawn = asInts(samples_.distance);
         {
             const Stopwatch watch(&result_.times, resolves() ? "resolve" : "encode");
-            colour(firstRow, rows);
+            planes_.takeColours(firstRow, rows, {grid_, samples_.linear, drawn}, threads_);
         }
-        for (uint32_t y = 0; y < rows; ++y)
-            for (uint32_t x = 0; x < p_.width; ++x) {
-                bool any = false;
-                for (uint32_t k = 0; k < grid_.side * grid_.side; ++k)
-                    any |= samples_.distance[at(x, y, k % grid_.side, k / grid_.side)] != 0;
-                result_.frame.coveredPixels += any;
-                const size_t sample = at(x, y, grid_.anchor, grid_.anchor);
-                planes_.write(x, firstRow + y, samples_.distance[sample], samples_.object[sample],
-                              samples_.normal.empty() ? nullptr : &samples_.normal[3 * sample]);
-            }
+        planes_.takeCoverage(rows, grid_, drawn);
+        planes_.takeSeen(firstRow, rows, grid_, drawn, [&](uint32_t x, uint32_t y, size_t sample) {
+            const float* n = samples_.normal.empty() ? nullptr : &samples_.normal[3 * sample];
+            return seen_.at(x, y, samples_.distance[sample], samples_.object[sample], n ? glm::vec3(n[0], n[1], n[2]) : glm::vec3(0));
+        });
         if (request_.rays.sampling == RayChoices::Sampling::adaptive) refine(firstRow, rows);
     }
 
-    size_t at(uint32_t x, uint32_t y, uint32_t i, uint32_t j) const {
-        return size_t(y * grid_.stride + j) * grid_.width + x * grid_.stride + i;
-    }
-
-    void colour(uint32_t firstRow, uint32_t rows) {
-        const size_t first = size_t(firstRow) * p_.width, pixels = size_t(rows) * p_.width;
-        const std::span<uint32_t> rgba(result_.frame.rgba.data() + first, pixels);
-        if (resolves()) {
-            covered_.assign(samples_.distance.begin(), samples_.distance.end());
-            resolved_.resize(3 * pixels);
-            resolveCpu(p_.width, rows, grid_.side, request_.transparent, choices_.encoding, samples_.linear, covered_, resolved_, rgba,
-                       threads_, grid_.stride);
-        } else {
-            for (size_t i = 0; i < pixels; ++i)
-                if (samples_.distance[i]) rgba[i] = encodePixelCpu(choices_.encoding, &samples_.linear[3 * i], 255);
-        }
-        if (request_.planes & kPlaneLinear)
-            std::copy_n((resolves() ? resolved_ : samples_.linear).begin(), 3 * pixels,
-                        result_.frame.linear.begin() + ptrdiff_t(3 * first));
+    static std::span<const int> asInts(const std::vector<uint32_t>& words) {
+        return {reinterpret_cast<const int*>(words.data()), words.size()};
     }
 
     void refine(uint32_t firstRow, uint32_t rows) {
@@ -144,16 +123,12 @@ private:
             traceCpu(push, traced_, choices, fine_.from(0), counters_, threads_);
         }
         const Stopwatch watch(&result_.times, "resolve");
-        covered_.assign(fine_.distance.begin(), fine_.distance.end());
         resolved_.resize(3 * pixels.size());
         std::vector<uint32_t> rgba(pixels.size());
-        resolveCpu(count, 1, kFineSide, request_.transparent, choices.encoding, fine_.linear, covered_, resolved_, rgba, threads_);
-        for (size_t i = 0; i < pixels.size(); ++i) {
-            const size_t pixel = size_t(pixels[i] >> 16) * p_.width + (pixels[i] & 0xffffu);
-            result_.frame.rgba[pixel] = rgba[i];
-            if (request_.planes & kPlaneLinear)
-                std::copy_n(resolved_.begin() + ptrdiff_t(3 * i), 3, result_.frame.linear.begin() + ptrdiff_t(3 * pixel));
-        }
+        resolveCpu(count, 1, kFineSide, request_.transparent, choices.encoding, fine_.linear, asInts(fine_.distance), resolved_, rgba,
+                   threads_);
+        for (size_t i = 0; i < pixels.size(); ++i)
+            planes_.replaceColour(pixels[i] & 0xffffu, pixels[i] >> 16, rgba[i], &resolved_[3 * i], 1);
     }
 
     const Prepared& p_;
@@ -163,11 +138,11 @@ private:
     TraceScene traced_;
     TraceChoices choices_;
     gpu::TracePush push_;
-    TracePlanes planes_;
+    PlaneWriter planes_;
+    RaySeen seen_;
     const uint32_t threads_;
     std::vector<uint64_t> counters_;
     Samples samples_, fine_;
-    std::vector<int> covered_;
     std::vector<float> resolved_;
 };
 

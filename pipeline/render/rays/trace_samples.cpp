@@ -41,7 +41,7 @@ SampleGrid sampleGridOf(const Prepared& p, const RenderRequest& request) {
             g.anchor = 0;
             break;
     }
-    g.width = (p.width - 1) * g.stride + g.side;
+    g.width = g.pitch = (p.width - 1) * g.stride + g.side;
     g.height = g.rowsFor(p.height);
     return g;
 }
@@ -86,9 +86,8 @@ gpu::TracePush finePushOf(const gpu::TracePush& push, uint32_t count) {
     return fine;
 }
 
-TracePlanes::TracePlanes(const Prepared& p, const Scene& scene, const RenderRequest& request, const SampleGrid& grid, Frame& frame)
-    : p_(p), scene_(scene), planes_(request.planes), seed_(request.rays.seed), grid_(grid), frame_(frame) {
-    PlaneWriter(p, planes_ & ~uint32_t(kPlaneTriangle), frame);  // as if nothing were drawn
+RaySeen::RaySeen(const Prepared& p, const Scene& scene, const RenderRequest& request, const SampleGrid& grid)
+    : p_(p), scene_(scene), seed_(request.rays.seed), grid_(grid) {
     uint32_t triangles = 0;
     for (const Object& object : scene.objects) {
         firstOfObject_.push_back(triangles);
@@ -96,29 +95,34 @@ TracePlanes::TracePlanes(const Prepared& p, const Scene& scene, const RenderRequ
     }
 }
 
-void TracePlanes::write(uint32_t x, uint32_t y, uint32_t distanceBits, uint32_t object, const float* normal) {
-    if (distanceBits == 0) return;
-    const size_t at = size_t(y) * frame_.width + x;
-    const double distance = double(gpu::realOf(int(distanceBits))) / p_.unit;
-    const uint32_t column = x * grid_.stride + grid_.anchor, row = y * grid_.stride + grid_.anchor,
+const RaySeen& RaySeen::at(uint32_t x, uint32_t y, uint32_t distanceBits, uint32_t object, const glm::vec3& normal) {
+    x_ = x;
+    y_ = y;
+    distance_ = double(gpu::realOf(int(distanceBits))) / p_.unit;
+    object_ = object;
+    normal_ = normal;
+    return *this;
+}
+
+float RaySeen::depth() const {
+    const uint32_t column = x_ * grid_.stride + grid_.anchor, row = y_ * grid_.stride + grid_.anchor,
                    key = gpu::keyOfSample(column, row, seed_);
     const glm::dvec3 ray = glm::dvec3(p_.rayOrigin) + glm::dvec3(p_.rayX) * double(gpu::columnOf(grid_.sampling, column, p_.side, key)) +
                            glm::dvec3(p_.rayY) * double(gpu::rowOf(grid_.sampling, row, p_.side, key));
-    const float depth = float(distance / std::sqrt(glm::dot(ray, ray)));
-    if (planes_ & kPlaneDistance) frame_.distance[at] = float(distance);
-    if (planes_ & kPlaneDepth) frame_.depth[at] = depth;
-    if (planes_ & kPlaneZ) frame_.z[at] = p_.near / depth;
-    if (planes_ & kPlaneNormal) std::copy(normal, normal + 3, frame_.normal.begin() + ptrdiff_t(3 * at));
-    const auto whole = uint32_t(scene_.spheres.size() + scene_.planes.size());
-    uint32_t sceneObject = uint32_t(scene_.objects.size()) + object,
-             primitive = 0;  // a sphere or plane is one primitive
-    if (object >= whole) {
-        const uint32_t triangle = object - whole;
-        sceneObject = uint32_t(std::upper_bound(firstOfObject_.begin(), firstOfObject_.end(), triangle) - firstOfObject_.begin()) - 1;
-        primitive = scene_.meshes[scene_.objects[sceneObject].mesh].triangles[triangle - firstOfObject_[sceneObject]].face;
-    }
-    if (planes_ & kPlaneObject) frame_.object[at] = sceneObject;
-    if (planes_ & kPlanePrimitive) frame_.primitive[at] = primitive;
+    return float(distance_ / std::sqrt(glm::dot(ray, ray)));
+}
+
+uint32_t RaySeen::meshObject() const {
+    const uint32_t triangle = object_ - wholeShapes();
+    return uint32_t(std::upper_bound(firstOfObject_.begin(), firstOfObject_.end(), triangle) - firstOfObject_.begin()) - 1;
+}
+
+uint32_t RaySeen::object() const { return object_ < wholeShapes() ? uint32_t(scene_.objects.size()) + object_ : meshObject(); }
+
+uint32_t RaySeen::primitive() const {
+    if (object_ < wholeShapes()) return 0;  // a sphere or plane is one primitive
+    const uint32_t object = meshObject(), triangle = object_ - wholeShapes() - firstOfObject_[object];
+    return scene_.meshes[scene_.objects[object].mesh].triangles[triangle].face;
 }
 
 void countParts(const TraceScene& traced, RenderCounters& c) {

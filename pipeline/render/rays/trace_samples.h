@@ -2,6 +2,7 @@
 // What both sides of a traced picture share: how samples lie, which pixels need more of them, planes of the frame from samples.
 #pragma once
 
+#include "pipeline/render/planes.h"
 #include "pipeline/render/rays/trace_frame.h"
 
 #include <cstdint>
@@ -12,16 +13,16 @@
 
 namespace plumb {
 
-// A pixel (x, y) is resolved from the samples (x stride + i, y stride + j), i and j below side.
-struct SampleGrid {
+// The samples of a whole picture. Pixels that share their corners have a side of 2 and a stride of 1.
+struct SampleGrid : SampleLayout {
     uint32_t sampling = gpu::kSampleGrid;
-    uint32_t side = 1, stride = 1;   // 2 and 1 where pixels share their corners
-    uint32_t anchor = 0;             // i and j of the sample that stands for the pixel in the planes
     uint32_t width = 0, height = 0;  // samples
 
     // Rows of samples that n rows of pixels need, and how many of them the rows of pixels above have, too.
     uint32_t rowsFor(uint32_t n) const { return (n - 1) * stride + side; }
     uint32_t overlap() const { return side - stride; }
+    // The same samples in rows of `words`.
+    SampleLayout inRowsOf(uint32_t words) const { return {words, side, stride, anchor}; }
 };
 SampleGrid sampleGridOf(const Prepared& prepared, const RenderRequest& request);
 
@@ -35,19 +36,31 @@ std::vector<uint32_t> pixelsWithDifferentCorners(uint32_t width, uint32_t firstR
 // The push of `count` such pixels: kFineSide rows of their samples.
 gpu::TracePush finePushOf(const gpu::TracePush& push, uint32_t count);
 
-// Planes of the frame; the sample of a pixel is the grid's anchor.
-class TracePlanes {
+// What a traced picture shows at a pixel, from the distance and the object of the sample that stands for it.
+class RaySeen : public SeenNothing {
 public:
-    TracePlanes(const Prepared& prepared, const Scene& scene, const RenderRequest& request, const SampleGrid& grid, Frame& frame);
-    void write(uint32_t x, uint32_t y, uint32_t distanceBits, uint32_t object, const float* normal);
+    RaySeen(const Prepared& prepared, const Scene& scene, const RenderRequest& request, const SampleGrid& grid);
+    const RaySeen& at(uint32_t x, uint32_t y, uint32_t distanceBits, uint32_t object, const glm::vec3& normal);
+
+    float z() const { return p_.near / depth(); }
+    float depth() const;
+    float distance() const { return float(distance_); }
+    glm::vec3 normal() const { return normal_; }
+    uint32_t object() const;
+    uint32_t primitive() const;
 
 private:
+    uint32_t wholeShapes() const { return uint32_t(scene_.spheres.size() + scene_.planes.size()); }
+    uint32_t meshObject() const;  // of a triangle
+
     const Prepared& p_;
     const Scene& scene_;
-    const uint32_t planes_, seed_;
+    const uint32_t seed_;
     const SampleGrid grid_;
-    Frame& frame_;
     std::vector<uint32_t> firstOfObject_;  // triangles before each object
+    uint32_t x_ = 0, y_ = 0, object_ = 0;
+    double distance_ = 0;
+    glm::vec3 normal_{0};
 };
 
 void countParts(const TraceScene& traced, RenderCounters& counters);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/wire/wire.h"
 
-#include "pipeline/passes/encode.h"
 #include "pipeline/passes/lines.h"
-#include "pipeline/passes/resolve.h"
+#include "pipeline/passes/parallel.h"
+#include "pipeline/render/planes.h"
 #include "pipeline/render/stopwatch.h"
 
 #include <fmt/core.h>
@@ -76,38 +76,33 @@ void checkSize(const Prepared& p) {
         throw usageError(fmt::format("--shading wire draws at most {0}x{0} samples", gpu::kLineFrameLimit));
 }
 
+// An edge belongs to an object and to no single face, and has no depth.
+struct EdgeSeen : SeenNothing {
+    const DrawList& list;
+    const uint32_t edge;
+    EdgeSeen(const DrawList& drawn, uint32_t shown) : list(drawn), edge(shown) {}
+    uint32_t object() const {
+        for (const DrawList::Range& r : list.ranges)
+            if (edge >= r.firstEdge && edge < r.firstEdge + r.edgeCount) return r.sceneObject;
+        return kNone;
+    }
+};
+
 // Owner -> diffuse colour of the edge's material; samples are resolved in linear light.
 void finishWire(const Prepared& p, const RenderRequest& request, std::span<const uint32_t> owners, RenderResult& result) {
     const Stopwatch watch(&result.times, p.side > 1 ? "resolve" : "encode");
-    Frame& out = result.frame;
-    out.width = p.width;
-    out.height = p.height;
-    const size_t pixels = size_t(p.width) * p.height;
+    PlaneWriter writer(p, request, result.frame);
     std::vector<float> linear(3 * owners.size());
-    std::vector<int> covered(owners.size());
+    std::vector<int> drawn(owners.size());
     for (size_t i = 0; i < owners.size(); ++i) {
-        covered[i] = owners[i] != gpu::kNoEdge;
-        const glm::vec3 c = covered[i] ? p.list.materials[p.list.vertexMaterial[p.list.edges[owners[i]].x]].diffuse : p.backgroundLinear;
-        for (int k = 0; k < 3; ++k) linear[3 * i + size_t(k)] = c[k];
+        drawn[i] = owners[i] != gpu::kNoEdge;
+        const glm::vec3 c = drawn[i] ? p.list.materials[p.list.vertexMaterial[p.list.edges[owners[i]].x]].diffuse : p.backgroundLinear;
+        std::copy_n(&c.x, 3, linear.begin() + ptrdiff_t(3 * i));
     }
-    std::vector<float> resolved(3 * pixels);
-    out.rgba.assign(pixels, p.background);
-    resolveCpu(p.width, p.height, p.side, request.transparent, p.choices.encoding, linear, covered, resolved, out.rgba, request.threads);
-    if (request.planes & kPlaneLinear) out.linear = resolved;
-    if (request.planes & kPlaneObject) out.object.assign(pixels, kNone);
-    if (request.planes & kPlanePrimitive) out.primitive.assign(pixels, kNone);  // an edge belongs to no single face
-    for (uint32_t y = 0; y < p.height; ++y)
-        for (uint32_t x = 0; x < p.width; ++x) {
-            bool any = false;
-            for (uint32_t k = 0; k < p.side * p.side; ++k)
-                any |= covered[size_t(y * p.side + k / p.side) * size_t(p.list.frame.width) + x * p.side + k % p.side] != 0;
-            out.coveredPixels += any;
-            if (!(request.planes & kPlaneObject)) continue;
-            const uint32_t edge = owners[size_t(y * p.side + p.side / 2) * size_t(p.list.frame.width) + x * p.side + p.side / 2];
-            if (edge == gpu::kNoEdge) continue;
-            for (const DrawList::Range& r : p.list.ranges)
-                if (edge >= r.firstEdge && edge < r.firstEdge + r.edgeCount) out.object[size_t(y) * p.width + x] = r.sceneObject;
-        }
+    const SampleLayout layout{uint32_t(p.list.frame.width), p.side, p.side, p.side / 2};
+    writer.takeColours(0, p.height, {layout, linear, drawn}, threadCount(request.threads));
+    writer.takeCoverage<int>(p.height, layout, drawn);
+    writer.takeSeen<int>(0, p.height, layout, drawn, [&](uint32_t, uint32_t, size_t at) { return EdgeSeen(p.list, owners[at]); });
     result.counters.edges = p.list.edges.size();
     if (request.wire != WireView::solid) result.counters.bands = result.counters.chunks = 1;
 }
