@@ -13,7 +13,7 @@ import re
 import sys
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-FENCE = re.compile(r"^```(\w+) ([\w./-]+)\n(.*?)^```$", re.M | re.S)
+FENCE = re.compile(r"^ *```(\w+) ([\w./-]+)\n(.*?)^ *```$", re.M | re.S)
 
 
 def code_of(text, path):
@@ -57,7 +57,7 @@ def self_test():
     block = lambda quoted, path="a.cpp": f"Text.\n\n```cpp {path}\n{quoted}```\n\n```cpp\nother();\n```\n"
     cases = [("whole", block(source), 0), ("another comment", block("int a() {\n  return 1; // x\n}\n"), 0), ("left out", block("int a() {\n...\nint b() {\n"), 0),
              ("a changed line", block("int a() {\n    return 3;\n"), 1), ("another order", block("int b() {\n...\nint a() {\n"), 1), ("a gap", block("int a() {\nint b() {\n"), 1),
-             ("no file", block("int a() {\n", "b.cpp"), 1)]
+             ("no file", block("int a() {\n", "b.cpp"), 1), ("in a list", "- A:\n\n  ```cpp a.cpp\n  int a() {\n      return 3;\n  ```\n", 1)]
     wrong = [claim for claim, text, faults in cases if len(list(check("page", text, read))) != faults]
     for claim in wrong:
         print(f"{claim}: wrong answer")
