@@ -26,7 +26,7 @@ SKIPPED = {".git", "build", "out", "node_modules", "corpus", "models", "images",
 OWN = os.path.join("toolchain", "prose_lint.py")  # its examples are faults on purpose
 
 # What a comment must not open with: each points at a line above, or at nothing.
-DANGLING = re.compile(r"^(?:Of|Such|Those|These|This|That|The same|It|Its|They|Them|Their|So many|So much|So|With|From now on|From there|Also|Else|Likewise|Again|Ditto|"
+DANGLING = re.compile(r"^(?:Of|Such|Those|These|This (?:is|was|has|must|can|may|one)|That (?:is|was|has|of|one)|The same|It|Its|They|Them|Their|So many|So much|So|With|From now on|From there|Also|Else|Likewise|Again|Ditto|"
                       r"And|But|Or|Here too|There|Then|Each of (?:them|these|those)|What (?:it|they|is left))\b(?!')")
 
 

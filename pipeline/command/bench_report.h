@@ -30,7 +30,7 @@ inline Json benchContextJson(const Renderer& renderer) {
     return json;
 }
 
-// Of a benchmark that runs: moves the bar, and ends it when interrupted. `progress` must outlive it.
+// Callback of a running benchmark: moves the bar, and ends the benchmark when interrupted. `progress` must outlive it.
 inline std::function<void(double)> tellAndListen(Progress& progress) {
     return [&progress](double done) {
         stopIfInterrupted();

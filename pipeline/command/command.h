@@ -32,7 +32,7 @@ Json toolJson();
 inline constexpr Exit kReaderLeft = Exit(141);
 // Data on standard output: all of it is written, or Error(failed); Error(kReaderLeft) when nobody reads it any more.
 void printData(const std::string& text);
-// The same errors for a standard output that is closed or has lost its reader, before there is something to write.
+// Throws the errors of printData() for a standard output that is closed or has lost its reader, before there is something to write.
 void expectReader();
 // The end of a command: its files are placed, `text` and the report of --json are written, and then the files are kept. What fails leaves none of them.
 void finish(const Options&, FileBatch& files, const std::string& text, const std::vector<Json>& objects);

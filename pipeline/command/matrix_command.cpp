@@ -107,7 +107,7 @@ Json chainCountersJson(const ChainCounters& counters, double timeMs) {
         {"products", counters.products}, {"applications", counters.applications}, {"equations", counters.equations}, {"time_ms", timeMs}};
 }
 
-// The same vertices three ways, counted and timed: each step on its own, the composite, the composite on several threads.
+// Vertices three ways, counted and timed: each step on its own, the composite, the composite on several threads.
 template <class Matrix>
 Json verticesJson(const Options& options, std::span<const Step<Matrix>> chain, size_t depth) {
     using Point = typename PointOf<Matrix>::Type;

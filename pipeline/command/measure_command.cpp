@@ -213,7 +213,7 @@ std::string quoted(const std::string& text) {
 // One cell, empty where there is no figure.
 std::string cell(bool known, double value) { return known ? fmt::format("{}", value) : std::string(); }
 
-// The same figures as the rows of the JSON; errors in shares of full scale.
+// A CSV with the figures of the JSON's rows. Errors are shares of full scale.
 std::string csvOf(const Measurement& m) {
     std::string text =
         "axis,choice,baseline,absent,verdict,time_ms_median,time_ms_min,time_ms_max,n,ratio,error_max,error_max_x,"

@@ -201,7 +201,7 @@ Exit renderCommand(const Options& options) {
         throw usageError("--stereo: --fill notes draws spheres in parallel projection, which shows both eyes the same");
     scene.camera = views[0].camera;
     scene.lights = views[0].lights;
-    // Of each view in its JSON; on standard error once an object.
+    // Warnings of moved vertices: in the JSON of each view, on standard error once an object.
     std::set<uint32_t> toldMoved;
     const auto tellMoved = [&](Json& sceneReport) {
         for (const VertexError& error : vertexErrors(scene, request)) {

@@ -26,7 +26,7 @@ namespace plumb {
 
 namespace {
 
-// Those of the chain's planes, so that both take the same kernels; passes() compares the first three.
+// Planes of the chain, asked for here too so that both take the same kernels. passes() compares the first three.
 constexpr uint32_t kPlanes = gpu::kFillPlaneZ | gpu::kFillPlaneTriangle | gpu::kFillPlaneLinear | gpu::kFillPlaneNormal;
 constexpr size_t kSmallPlane = 1 << 18;  // values; the hash of so few takes as long as a thread's start
 

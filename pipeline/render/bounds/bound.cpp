@@ -54,7 +54,8 @@ NormalMove moveOfNormals(const dvec3 (&world)[3]) {
         least = std::min(least, length);
         most = std::max(most, length);
     }
-    // With weights a_i that sum to 1 and c the least cosine between two of the unit normals u_i, |sum a_i u_i|^2 >= c + (1 - c) sum a_i^2 >= (1 + 2 c) / 3.
+    // Least length: with weights a_i that sum to 1 and c the least cosine between two of the unit normals u_i,
+    // |sum a_i u_i|^2 >= c + (1 - c) sum a_i^2 >= (1 + 2 c) / 3.
     const double c = std::min({glm::dot(unit[0], unit[1]), glm::dot(unit[1], unit[2]), glm::dot(unit[2], unit[0])});
     NormalMove move;
     move.length = std::sqrt(std::clamp((1 + 2 * c) / 3, 0.0, 1.0));
@@ -169,7 +170,7 @@ private:
 
     static bool anyShine(const Material& m) { return std::max({m.specular.x, m.specular.y, m.specular.z}) > 0; }
 
-    // Of the power where both are lit. x = 1 - delta is R.V for the default. For the trade, with E the unit vector of T, R' = 2 (T.L) T - L gives
+    // Move of the power where both are lit. x = 1 - delta is R.V for the default. For the trade, with E the unit vector of T, R' = 2 (T.L) T - L gives
     // x' = x_E - 2 (1 - s^2) (E.L) ((E.V) - s^2 (E.L)).
     //   x' below x_E: (E.L) (1 - s^2 (E.L)) is at most 1 / (4 s^2), and at most 1 - s^2 where its place 1 / (2 s^2) is beyond 1.
     //   x' above x_E: E.V < s^2 E.L, which an E that faces away from the viewer has, too. With a the angle of L to E, b that of V, R and V enclose at least
@@ -254,7 +255,7 @@ private:
     const bool native_, rough_, shorter_;
 };
 
-// Of the faces of `scene`, or of those in `shown`: the largest moves, and those of each pixel.
+// Takes into `bound` the largest moves over the faces of `scene`, or of those in `shown`, and the moves of each pixel.
 void takeMoves(const Scene& scene, const RenderRequest& request, const Frame* shown, ColourBound& bound) {
     const FaceMoves moves(scene, request);
     if (shown == nullptr) {

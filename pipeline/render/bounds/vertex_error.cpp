@@ -144,7 +144,7 @@ private:
         return {x, y, w, rowX_.error(magnitude, x), rowY_.error(magnitude, y), rowW_.error(magnitude, w)};
     }
 
-    // Of what lies within (x, y) of the middle of the screen, or anywhere on it.
+    // Error in pixels of a point within (x, y) of the middle of the screen; without x and y, anywhere on the screen.
     double pixels(double errorX, double errorY, double errorW, double w, double x = 0, double y = 0) const {
         if (!(w > errorW)) return kInfinity;
         const double across = std::max(halfX_, std::abs(x)), down = std::max(halfY_, std::abs(y));

@@ -21,7 +21,7 @@ struct VertexError {
     double inBinary64 = 0;  // the same with --trade transform=fp64; equal to `pixels` where the request has no such choice
 };
 
-// Of objects above kToldPixels; of the others nothing.
+// Errors of the objects that exceed kToldPixels; the others are left out.
 std::vector<VertexError> vertexErrors(const Scene& scene, const RenderRequest& request);
 // The bound of one object, without a limit below which it is not told; for tests.
 VertexError vertexErrorOf(const Scene& scene, const RenderRequest& request, uint32_t object);

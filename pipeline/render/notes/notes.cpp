@@ -106,7 +106,7 @@ private:
     }
     // Zps = d Z / (d + Z) with Z = w - d: 0 at distance d, d at infinity.
     double zpsOf(double w) const { return distance_ * (w - distance_) / w; }
-    // Of a pixel's Z, which is Zps in the fill's unit.
+    // Depth w of a pixel's Z, which is Zps in the fill's unit.
     double depthOf(float z) const { return distance_ * distance_ / (distance_ - double(z) / zUnit_); }
 
     // A distant viewer is in the same direction from every polygon (section 3), so that no corner matters.

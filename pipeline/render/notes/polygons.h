@@ -15,7 +15,7 @@ namespace plumb {
 
 // Edges of a face that no two of its triangles share, each as the face runs, in no particular order.
 std::vector<std::pair<uint32_t, uint32_t>> boundaryOf(std::span<const TriangleMesh::Triangle> triangles);
-// The same as corners around the face, the first corner of its first boundary edge first; empty when they are not one closed line.
+// Boundary of a face as corners in order, from the first corner of its first boundary edge. Empty when the edges are not one closed line.
 std::vector<uint32_t> outlineOf(std::span<const TriangleMesh::Triangle> triangles);
 
 // Newell's normal of a polygon, and the sum of the magnitudes of what it adds up: 16 u of that bounds its rounding.

@@ -21,7 +21,7 @@ struct SampleGrid : SampleLayout {
     // Rows of samples that n rows of pixels need, and how many of them the rows of pixels above have, too.
     uint32_t rowsFor(uint32_t n) const { return (n - 1) * stride + side; }
     uint32_t overlap() const { return side - stride; }
-    // The same samples in rows of `words`.
+    // Layout of these samples in rows of `words`.
     SampleLayout inRowsOf(uint32_t words) const { return {words, side, stride, anchor}; }
 };
 SampleGrid sampleGridOf(const Prepared& prepared, const RenderRequest& request);

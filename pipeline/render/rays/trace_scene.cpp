@@ -109,7 +109,7 @@ private:
         const glm::dvec3 anchor = (p.point - eye_) * unit_;
         if (!(glm::length(anchor) <= kFarthest))
             throw inputError(nameOf(p, "plane"), "its point is further from the eye than 2^60 times the near plane");
-        // With the rounded axes, so that the stated point lies on the plane and is the origin of its coordinates.
+        // Offsets use the rounded axes, so that the stated point lies on the plane and is the origin of its coordinates.
         r.distance = rounded(glm::dot(glm::dvec3(r.normal), anchor));
         r.u0 = rounded(-glm::dot(glm::dvec3(r.u), anchor));
         r.v0 = rounded(-glm::dot(glm::dvec3(r.v), anchor));
