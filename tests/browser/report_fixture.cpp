@@ -65,7 +65,7 @@ Json row(const char* axis, const char* choice, double ms, double error, Json bou
             {"onAxisFront", true}};
 }
 
-// Of the largest error; the other figures half of it. The choice may move a colour by 0.01 in linear light.
+// Bound in JSON with a given largest error, the other figures half of that. The choice may move a colour by 0.01 in linear light.
 Json bounded(double most) {
     return {{"max", most}, {"mean", most / 2}, {"rms", most / 2}, {"p99", most / 2}, {"choice", {{"linear", 0.01}, {"steps", 1}}}};
 }

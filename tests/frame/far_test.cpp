@@ -247,7 +247,7 @@ TEST_F(Far, TheErrorIsMeasuredAgainstTheFilesNumbers) {
     EXPECT_LT(wrongFaces(silent, request), 20 * std::max<uint64_t>(1, right)) << "what is measured above is what the file says";
 }
 
-// Of rays the truth takes them, too.
+// The truth of rays starts from the file's numbers, too.
 TEST_F(Far, TheRaysTruthStartsFromTheFilesNumbers) {
     RenderRequest request = requestOf(80, 60);
     request.shading = Shading::ray;
@@ -306,7 +306,7 @@ TEST_F(Far, AMeshTooLargeForItsDetailIsTold) {
     }
 }
 
-// Of the object's vertices, in pixels; whatever is clipped counts as off the screen.
+// Positions of the object's vertices in pixels; clipped vertices count as off the screen.
 std::vector<glm::dvec2> placesOf(const Scene& scene, const RenderRequest& request) {
     const Prepared p = prepare(scene, request);
     const TwinGeometry g = twinGeometry(p.list, p.choices, false, 1, nullptr);

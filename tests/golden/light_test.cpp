@@ -354,7 +354,7 @@ struct Cylinder {
         for (const auto& p : polygons()) all.push_back(unitVector(glm::cross(p[1] - p[0], p[2] - p[0])));
         return all;
     }
-    // Of a barrel vertex i: the rectangles i - 1 and i meet there.
+    // Normal of barrel vertex i, where rectangles i - 1 and i meet.
     dvec3 barrel(size_t i) const { return unitVector(normals()[(i + 7) % 8] + normals()[i]); }
 };
 Cylinder cylinder() {

@@ -131,7 +131,7 @@ TEST(Modes, ReversingAPolygonFlipsItsVisibility) {
         EXPECT_FALSE(seenIn(front.frame.primitive).contains(0)) << "the reversed Front is seen from behind";
         const Scene back = sceneOf(replaced(text, "[0, 3, 2]", "[2, 3, 0]"));
         EXPECT_EQ(drawn(back, r).counters.culledBackFace + 1, drawn(sceneOf(text), r).counters.culledBackFace);
-        // With the Front gone the reversed Back is what is seen through the hole.
+        // The reversed Back is seen through the hole when the Front is gone.
         const Scene both = sceneOf(replaced(replaced(text, "[0, 3, 2]", "[2, 3, 0]"), "[0, 1, 4]", "[4, 1, 0]"));
         EXPECT_TRUE(seenIn(drawn(both, r).frame.primitive).contains(1));
     }

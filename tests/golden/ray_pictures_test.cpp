@@ -94,7 +94,7 @@ TEST(RayPictures, OneRayAPixelHasNoValueBetweenTwoSurfaces) {
                 const int a = codesOf(inside)[c], b = codesOf(outside)[c], v = codesOf(value)[c];
                 EXPECT_TRUE(v >= std::min(a, b) && v <= std::max(a, b)) << x << ", " << y;
             }
-            // It lies on the outline: some neighbour is of the other side.
+            // Pixels on the outline have a neighbour of the other side.
             bool edge = false;
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx)

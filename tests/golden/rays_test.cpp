@@ -440,7 +440,7 @@ struct ProductFrame {
         return kOne;
     }
 };
-// The same in whole levels: plumb render scenes/notes-spheres.toml --sampling notes --levels cut.
+// Frame in whole levels: plumb render scenes/notes-spheres.toml --sampling notes --levels cut.
 const Frame& cutFrame() {
     static const Frame kOne = [] {
         const Scene scene = loadScene({std::filesystem::path(PLUMB_SOURCE_DIR) / "scenes/notes-spheres.toml"}, {});

@@ -64,7 +64,7 @@ Scene torus(glm::uvec2 size = kSize) {
     return scene;
 }
 
-// The same scene in other units. Positions are multiplied in float32: exact for powers of two.
+// Scene in other units. Positions are multiplied in float32: exact for powers of two.
 Scene scaled(Scene scene, double factor) {
     for (TriangleMesh& mesh : scene.meshes) {
         for (auto* list : {&mesh.positions, &mesh.faceCentre})

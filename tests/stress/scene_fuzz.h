@@ -43,7 +43,7 @@ inline constexpr uint64_t kScenesOfFamily = 25;
 // asked. The sides are compared up to 10^7 sizes.
 inline constexpr double kTruthVertexOffset = 1e3;
 
-// The same scene for the same seed and number, whatever was made before.
+// Scene of a seed and a number: always the same one, whatever was made before.
 FuzzScene fuzzScene(uint64_t seed, uint64_t number);
 
 // The smallest scene that is found by leaving out objects, faces, lights, shapes, settings and flags, and by shrinking the picture, as long as

@@ -228,7 +228,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 using TraceDispatches = DeviceTest;
 
-// So many lights that the first dispatches have few rows; then they grow, to rows in tiles.
+// With many lights the first dispatches have few rows; later ones grow, to rows in tiles.
 TEST_F(TraceDispatches, LeaveTheSameBytesWhereverTheyEnd) {
     Scene scene = meshesAlone();
     scene.maxDepth = 1;

@@ -45,7 +45,7 @@ glm::dvec3 apart(const Frame& a, const Frame& b) {
 }
 
 TEST(BoundOfTrade, HoldsInPictures) {
-    // Of each choice: the share of its bound that some picture below reaches at least.
+    // Choices, each with the share of its bound that some picture below reaches at least.
     Trade schlick, native, shorter;
     schlick.specular = Trade::Specular::schlick;
     native.specular = Trade::Specular::native;
@@ -240,7 +240,7 @@ TEST(Rounding, IsWhatFloat32CostsByItself) {
             } else {
                 EXPECT_GT(rounding->max, 0);
             }
-            // It leaves out what snapped corners and another shading cost.
+            // Rounding leaves out the error of snapped corners and of another shading.
             EXPECT_LT(rounding->rms, error.unrounded.rms / 4) << int(shading);
             EXPECT_LT(rounding->linearMax, error.linear.max);
             fmt::print(

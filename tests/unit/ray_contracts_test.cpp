@@ -480,7 +480,7 @@ TEST(NormalForRays, IsTheSmoothOneUntilTheMirroredRayWouldRunIntoThePolygon) {
         const vec3 n = normalForRays(d, up, smooth_);
         return mirrored(d, n, -dot3(d, n));
     };
-    // Its image would run below: along the polygon, where the image points.
+    // Mirrored ray that would run below the polygon: it runs along the polygon, toward its image.
     const vec3 below = mirroredAt(unitLength({-0.2f, -1, 0}), unitLength({3, 1, 0}));
     EXPECT_NEAR(below.y, 0, 64 * kUlp);
     EXPECT_NEAR(below.x, 1, 64 * kUlp);

@@ -96,7 +96,7 @@ TEST(SceneFrame, EveryCommittedMeshIsFramedAtEverySizeAndView) {
     }
 }
 
-// The same question put to a picture: what is seen, not what is projected; and its brightness.
+// Pictures instead of projections: how much they show, and how bright they are.
 TEST(SceneFrame, EveryCommittedMeshFillsItsPictureAndNeitherClipsNorIsCrushed) {
     for (const fs::path& path : committedMeshes()) {
         Scene scene = loadScene({path}, {});

@@ -20,8 +20,8 @@ using glm::dvec3;
 
 constexpr double kUnit = 0x1p-53;
 
-// Of a point that goes through `steps` matrices of entries <= 1 and translations <= size: each step sums four products, each factor
-// and sum rounded once (at most 8 roundings), and what came before is kept in length.
+// Bound of a point's error after `steps` matrices of entries <= 1 and translations <= size. Each step sums four products, each factor and
+// sum rounded once (at most 8 roundings), and keeps the length of the error before it.
 double chainBound(size_t steps, double size) { return double(steps) * 8 * kUnit * 4 * size; }
 
 double distance(const dvec3& a, const dvec3& b) { return glm::length(a - b); }
@@ -99,7 +99,7 @@ TEST(VisualCentre, DoesNotOverflow) {
     const std::vector<dvec3> same = {dvec3(big), dvec3(big)}, opposite = {dvec3(-big), dvec3(big)};
     EXPECT_EQ(visualCentre(std::span<const dvec3>(same)), dvec3(big));
     EXPECT_EQ(visualCentre(std::span<const dvec3>(opposite)), dvec3(0));
-    // Of the box, not of the vertices.
+    // Centre of the box, not of the vertices.
     const std::vector<dvec2> triangle = {{2, 2}, {3, 3}, {4, 2}};
     EXPECT_EQ(visualCentre(std::span<const dvec2>(triangle)), dvec2(3, 2.5));
 }
