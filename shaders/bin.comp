@@ -19,7 +19,7 @@ layout(binding = 2) uniform usamplerBuffer screen;
 layout(binding = 3) uniform usamplerBuffer items;            // kStrips: strips; kListed: indices in draws
 layout(binding = 4, scalar) buffer Tiles { uint tiles[]; };  // counts
 layout(binding = 5, scalar) writeonly buffer Entries { uint entries[]; };
-layout(binding = 6, scalar) writeonly buffer Spills { uint spills[]; };
+layout(binding = 6, scalar) writeonly buffer Overflow { uint overflow[]; };
 
 void main() {
     uint item = itemIndex();
@@ -60,7 +60,7 @@ void main() {
     ivec3 atRow = most;
     int x = x0;
     uint tile = uint(y0) * push.tilesX + uint(x0);
-    uint spilled = 0u;
+    uint overflowed = 0u;
     int k = 0;
     do {
         if (kStrips && kWide) {
@@ -72,7 +72,7 @@ void main() {
         uint number = 0u;
         if (touched) number = atomicAdd(tiles[tile], 1u);
         if (touched && number < push.room) entries[tile * push.room + number] = index;
-        spilled |= touched && number >= push.room ? 1u << uint(k) : 0u;
+        overflowed |= touched && number >= push.room ? 1u << uint(k) : 0u;
         bool wrap = x == x1;
         x = wrap ? x0 : x + 1;
         tile += wrap ? push.tilesX - uint(x1 - x0) : 1u;
@@ -80,6 +80,6 @@ void main() {
         most = wrap ? atRow : most + stepX;
         k++;
     } while (k < steps);
-    if (mine) spills[item] = spilled;
+    if (mine) overflow[item] = overflowed;
     finish(push.statusSlot, k < steps ? kFaultLoop : 0u);
 }

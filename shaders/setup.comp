@@ -18,20 +18,21 @@ layout(binding = 3) uniform usamplerBuffer sources;  // triangle of each slot; k
 layout(binding = 4, scalar) writeonly buffer Draws { uvec4 draws[]; };
 layout(binding = 5, scalar) buffer Tiles { uint tiles[]; };                // counts
 layout(binding = 6, scalar) writeonly buffer Entries { uint entries[]; };  // lists, as the bin pass leaves them
-layout(binding = 7, scalar) writeonly buffer Marks { uint marks[]; };  // overflow bits of each slot: bit i, its i-th tile had no room left
+// Overflow bits of each slot: bit i, its i-th tile had no room left.
+layout(binding = 7, scalar) writeonly buffer Overflow { uint overflow[]; };
 
 // True when the triangle may touch the tile: no edge has the whole tile outside. `most`: greatest value of each edge in the tile.
 bool touches(ivec3 most) { return (most.x | most.y | most.z) >= 0; }
 
 // Puts a triangle on a tile's list. True on overflow: no room was left.
-bool put(bool touched, uint tile, uint place) {
+bool put(bool touched, uint tile, uint slot) {
     uint number = 0u;
     if (touched) number = atomicAdd(tiles[tile], 1u);
-    if (touched && number < push.room) entries[tile * push.room + number] = place;
+    if (touched && number < push.room) entries[tile * push.room + number] = slot;
     return touched && number >= push.room;
 }
 
-uint listIn(ivec2 p0, ivec2 p1, ivec2 p2, bool drawn, uint place) {
+uint listIn(ivec2 p0, ivec2 p1, ivec2 p2, bool drawn, uint slot) {
     ivec4 box = tileBox(p0, p1, p2, push.frame);
     ivec2 extent = highest(p0, p1, p2) - lowest(p0, p1, p2);
     bool small = drawn && inTwoTiles(box) && isNarrow(extent.x, extent.y);
@@ -43,8 +44,8 @@ uint listIn(ivec2 p0, ivec2 p1, ivec2 p2, bool drawn, uint place) {
     ivec3 here = e.q + max(e.a, 0) * (kTileWidth - 1) + max(e.b, 0) * (kTileHeight - 1);
     ivec3 there = here + (wide ? e.a * kTileWidth : e.b * kTileHeight);
     uint tile = uint(box.y) * push.tilesX + uint(box.x);
-    uint marks = put(small && touches(here), tile, place) ? 1u : 0u;
-    return marks | (put(two && touches(there), tile + (wide ? 1u : push.tilesX), place) ? 2u : 0u);
+    uint overflowed = put(small && touches(here), tile, slot) ? 1u : 0u;
+    return overflowed | (put(two && touches(there), tile + (wide ? 1u : push.tilesX), slot) ? 2u : 0u);
 }
 
 void main() {
@@ -64,8 +65,8 @@ void main() {
     if (drawn) draws[item] = uvec4(d.vertex[0], d.vertex[1], d.vertex[2], d.source);
     if (kBin) {
         bool back = kBothSides && facing(p0, p1, p2) < 0;
-        uint noRoom = listIn(p0, back ? p2 : p1, back ? p1 : p2, drawn, item);
-        if (item < push.placeCount) marks[item] = noRoom;
+        uint overflowed = listIn(p0, back ? p2 : p1, back ? p1 : p2, drawn, item);
+        if (item < push.placeCount) overflow[item] = overflowed;
     }
     finish(push.statusSlot, 0u);
 }

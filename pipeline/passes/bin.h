@@ -27,8 +27,8 @@ struct BinBuffers {
     const Buffer<glm::uvec4>& strips;
     const Buffer<uint32_t>& tiles;  // counts; cleared by the caller, or as the set-up pass left them
     const Buffer<uint32_t>& entries;
-    const Buffer<uint32_t>& walkMarks;   // overflow bits, a word a walked triangle
-    const Buffer<uint32_t>& stripMarks;  // overflow bits, a word a strip
+    const Buffer<uint32_t>& walkOverflow;   // overflow bits, a word a walked triangle
+    const Buffer<uint32_t>& stripOverflow;  // overflow bits, a word a strip
 };
 struct BinCounts {
     uint32_t walked = 0;

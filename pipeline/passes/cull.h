@@ -41,11 +41,11 @@ void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places
 // Lists the triangle of each slot of the draw list, gpu::kNoTriangle in slots of clip fans.
 void listDrawn(std::span<const gpu::CullRecord> records, std::span<uint32_t> sources);
 // Records the set-up pass. When push.tilesX is not 0 it bins small triangles too: counts in `tiles`, lists in `entries`, overflow bits in
-// `marks` (shared/bin.h).
+// `overflow` (shared/bin.h).
 void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides, const Specialization& exact,
                  const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen, const Buffer<uint32_t>& sources,
                  const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& tiles, const Buffer<uint32_t>& entries,
-                 const Buffer<uint32_t>& marks);
+                 const Buffer<uint32_t>& overflow);
 
 // Clips the triangles of `jobs`. Writes their corners to screen and carried at job.vertex, the fan to draws at job.place; kinds[job] = wide
 // | number of drawn triangles << 1. `given`: clip-space x, y, w that a more accurate transform left; empty: they are computed in float32.

@@ -19,14 +19,14 @@ void recordCull(Recorder& recorder, const gpu::CullPush& push, const Specializat
 void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides, const Specialization& exact,
                  const Buffer<glm::uvec4>& triangles, const Buffer<gpu::ScreenVertex>& screen, const Buffer<uint32_t>& sources,
                  const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& tiles, const Buffer<uint32_t>& entries,
-                 const Buffer<uint32_t>& marks) {
+                 const Buffer<uint32_t>& overflow) {
     Specialization constants = exact;
     constants["kBin"] = push.tilesX != 0;
     constants["kBothSides"] = bothSides;
     recorder.dispatch("setup", spirv::setup, push.placeCount, push,
                       {texels("triangles", triangles, View::texelU32x4), texels("screen", screen, View::texelU32x4),
                        texels("sources", sources, View::texelU32), storage("Draws", draws), storage("Tiles", tiles),
-                       storage("Entries", entries), storage("Marks", marks)},
+                       storage("Entries", entries), storage("Overflow", overflow)},
                       constants);
 }
 

@@ -28,57 +28,57 @@ glm::ivec4 boxInBand(const gpu::BinPush& push, const gpu::ScreenVertex& a, const
     return {firstColumn / gpu::kTileWidth, firstRow / gpu::kTileHeight, lastColumn / gpu::kTileWidth, lastRow / gpu::kTileHeight};
 }
 
-void addStrips(const gpu::BinPush& push, uint32_t place, glm::ivec4 box, std::vector<glm::uvec4>& strips) {
+void addStrips(const gpu::BinPush& push, uint32_t slot, glm::ivec4 box, std::vector<glm::uvec4>& strips) {
     PLUMB_ASSERT(box.z < int(push.tilesX) && box.w < int(push.tilesY));
     for (int y = box.y; y <= box.w; ++y)
         for (int x = box.x; x <= box.z; x += int(gpu::kStripTiles))
-            strips.emplace_back(place, uint32_t(x) | uint32_t(y) << 16, std::min(uint32_t(box.z - x + 1), gpu::kStripTiles), 0u);
+            strips.emplace_back(slot, uint32_t(x) | uint32_t(y) << 16, std::min(uint32_t(box.z - x + 1), gpu::kStripTiles), 0u);
 }
 
-void CrowdedTiles::move(uint32_t tile, uint32_t to) {
+void OverflowedTiles::move(uint32_t tile, uint32_t to) {
     const auto from = entries_.begin() + ptrdiff_t(uint64_t(tile) * push_.room);
     std::copy(from, from + push_.room, entries_.begin() + ptrdiff_t(to));
     next_[tile] = to + push_.room;
 }
 
-void CrowdedTiles::add(uint32_t tile, uint32_t place) {
+void OverflowedTiles::add(uint32_t tile, uint32_t slot) {
     // An overflow bit of a tile that was not moved, or more bits than were counted, would write over other lists.
     if (tile >= next_.size() || next_[tile] == 0 || next_[tile] >= entries_.size())
-        throw renderError("bin: a tile's marks and its count disagree");
-    entries_[next_[tile]++] = place;
+        throw renderError("bin: a tile's overflow bits and its count disagree");
+    entries_[next_[tile]++] = slot;
 }
 
-void CrowdedTiles::addSetUp(std::span<const uint32_t> marks, std::span<const gpu::DrawTriangle> draws,
-                            std::span<const gpu::ScreenVertex> screen) {
-    for (size_t place = 0; place < marks.size(); ++place) {
-        if (marks[place] == 0) continue;
-        const uint32_t* v = draws[place].vertex;
+void OverflowedTiles::addSetUp(std::span<const uint32_t> overflow, std::span<const gpu::DrawTriangle> draws,
+                               std::span<const gpu::ScreenVertex> screen) {
+    for (size_t slot = 0; slot < overflow.size(); ++slot) {
+        if (overflow[slot] == 0) continue;
+        const uint32_t* v = draws[slot].vertex;
         const glm::ivec4 box = boxInBand(push_, screen[v[0]], screen[v[1]], screen[v[2]]);
-        for (uint32_t left = marks[place]; left; left &= left - 1) {
+        for (uint32_t left = overflow[slot]; left; left &= left - 1) {
             const bool last = std::countr_zero(left) != 0;  // the second of its one or two tiles
-            add(uint32_t(last ? box.w : box.y) * push_.tilesX + uint32_t(last ? box.z : box.x), uint32_t(place));
+            add(uint32_t(last ? box.w : box.y) * push_.tilesX + uint32_t(last ? box.z : box.x), uint32_t(slot));
         }
     }
 }
 
-void CrowdedTiles::addWalked(std::span<const uint32_t> marks, std::span<const PlacedTriangle> list,
-                             std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen) {
-    for (size_t i = 0; i < marks.size(); ++i) {
-        if (marks[i] == 0) continue;
-        const uint32_t place = list.empty() ? uint32_t(i) : list[i].place;
-        const uint32_t* v = draws[place].vertex;
+void OverflowedTiles::addWalked(std::span<const uint32_t> overflow, std::span<const PlacedTriangle> list,
+                                std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen) {
+    for (size_t i = 0; i < overflow.size(); ++i) {
+        if (overflow[i] == 0) continue;
+        const uint32_t slot = list.empty() ? uint32_t(i) : list[i].place;
+        const uint32_t* v = draws[slot].vertex;
         const glm::ivec4 box = boxInBand(push_, screen[v[0]], screen[v[1]], screen[v[2]]);
         const int columns = box.z - box.x + 1;
-        for (uint32_t left = marks[i]; left; left &= left - 1) {
+        for (uint32_t left = overflow[i]; left; left &= left - 1) {
             const int k = std::countr_zero(left);
-            add(uint32_t(box.y + k / columns) * push_.tilesX + uint32_t(box.x + k % columns), place);
+            add(uint32_t(box.y + k / columns) * push_.tilesX + uint32_t(box.x + k % columns), slot);
         }
     }
 }
 
-void CrowdedTiles::addStrips(std::span<const uint32_t> marks, std::span<const glm::uvec4> strips) {
-    for (size_t i = 0; i < marks.size(); ++i)
-        for (uint32_t left = marks[i]; left; left &= left - 1)
+void OverflowedTiles::addStrips(std::span<const uint32_t> overflow, std::span<const glm::uvec4> strips) {
+    for (size_t i = 0; i < overflow.size(); ++i)
+        for (uint32_t left = overflow[i]; left; left &= left - 1)
             add((strips[i].y >> 16) * push_.tilesX + (strips[i].y & 0xffffu) + uint32_t(std::countr_zero(left)), strips[i].x);
 }
 

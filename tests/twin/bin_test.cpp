@@ -68,17 +68,17 @@ struct BinCase {
     bool strips, walked, wide;  // what the row is there to show
 };
 
-class BinCrowds : public OnDevice<::testing::TestWithParam<BinCase>> {};
+class BinOverflow : public OnDevice<::testing::TestWithParam<BinCase>> {};
 
 // Tiles that have room for a few of their entries, of each kernel: the host completes the lists. Bands, and the frame as one.
-TEST_P(BinCrowds, AreListedWhole) {
+TEST_P(BinOverflow, AreListedWhole) {
     const BinCase& c = GetParam();
     for (uint32_t room : {1u, 5u})
         for (int rows : {int(c.scene.height), int(c.scene.height) / 16 * 8}) {
             SCOPED_TRACE(fmt::format("bands of {} rows, room for {}", rows, room));
             PassFrame f(device(), c.scene.scene(), requestOf(c.scene));
             f.frame.limitRoom(room);
-            size_t strips = 0, crowded = 0;
+            size_t strips = 0, overflowed = 0;
             for (int firstRow = 0; firstRow < int(c.scene.height); firstRow += rows) {
                 f.frame.beginBand(f.band(firstRow, rows), kPassPlanes);
                 if (firstRow == 0) f.setup();
@@ -86,9 +86,9 @@ TEST_P(BinCrowds, AreListedWhole) {
                 f.frame.bin();
                 EXPECT_GT(expectSameLists(f), 0u);
                 strips += f.frame.stripCount();
-                crowded += f.frame.crowdedTiles();
+                overflowed += f.frame.overflowedTiles();
             }
-            EXPECT_GE(crowded, 4u) << "hardly any tile is crowded: this shows nothing";
+            EXPECT_GE(overflowed, 4u) << "hardly any tile is overflowed: this shows nothing";
             if (c.strips) {
                 EXPECT_GE(strips, 100u) << "hardly any strip: this shows nothing";
             }
@@ -101,7 +101,7 @@ TEST_P(BinCrowds, AreListedWhole) {
 
 // soup(): triangles of about so many pixels all over the frame.
 INSTANTIATE_TEST_SUITE_P(
-    Scenes, BinCrowds,
+    Scenes, BinOverflow,
     ::testing::Values(BinCase{"Strips", {"large", [](View v) { return soup(v, 17, 900, 150); }, 640, 480}, true, false, false},
                       BinCase{"LongStrips", {"long", [](View v) { return soup(v, 21, 60, 900); }, 4096, 64}, true, false, false},
                       BinCase{"WideStrips", {"wide", [](View v) { return soup(v, 8, 60, 6000); }, 4096, 96}, true, false, true},

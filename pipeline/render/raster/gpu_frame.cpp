@@ -19,12 +19,12 @@ namespace plumb {
 
 namespace {
 
-// Room for clipped corners at first; more is made when more is needed.
+// Clipped corners for which there is memory at first; more is made when needed.
 constexpr uint64_t kClipCornersAtFirst = 4096;
 // Tile-list entries and shaded tiles of one dispatch: about 20 ns and 2 us each on two cores, so well below 100 ms.
 constexpr uint64_t kWorkPerDispatch = uint64_t(1) << 21;
 constexpr uint64_t kWorkPerTile = 100;
-// Medium triangles: cutting fewer into strips on the host costs less than a dispatch of their own.
+// Least number of medium triangles for a dispatch of their own: cutting fewer into strips on the host costs less.
 constexpr size_t kFewMedium = 2048;
 constexpr size_t kFewStrips = size_t(1) << 16;  // fit any device
 
@@ -49,7 +49,8 @@ GpuFrame::GpuFrame(Device& device, const Prepared& prepared, double watchdogMs)
 
 uint64_t GpuFrame::chunkTriangles() const {
     const DeviceLimits& l = device_.limits();
-    // Three vertices a triangle at worst, 16 bytes each in the screen and carried buffers; the rest is left for clipped corners and growth.
+    // Vertices that fit: three a triangle at worst, 16 bytes each in the screen and attributes buffers. The rest is left for clipped
+    // corners and growth.
     const uint64_t vertices = std::min(l.storageRangeBytes / 16, l.texelElements);
     const uint64_t byRange = vertices / 5;
     const uint64_t byBudget = device_.memoryBudgetBytes() / 2 / 400;  // 400 bytes a triangle with three vertices of its own
@@ -64,7 +65,7 @@ bool GpuFrame::fitsWhole(uint32_t planes) const {
     const auto reserved = [](uint64_t count) { return count + count / 4 + 16; };  // as Buffer::reserve does
     if (reserved(vertices) > std::min(l.storageRangeBytes / sizeof(glm::vec4), l.texelElements)) return false;
     if (reserved(std::max(triangles, faces)) > l.texelElements) return false;
-    // Bytes of upload() and of the lists, were every triangle drawn and in two tiles; then what a band's buffers may take.
+    // Bytes of upload() and of the lists, if every triangle were drawn and in two tiles; then the bytes of a band's buffers.
     const uint64_t perVertex = (list.numbers == Numbers::fp32 ? 4 : 5) * sizeof(glm::vec4) + sizeof(uint32_t);
     const uint64_t perTriangle =
         (list.facePlaces.empty() ? 0 : sizeof(glm::vec4)) + sizeof(glm::uvec4) + sizeof(gpu::DrawTriangle) + 3 * sizeof(uint32_t);
@@ -88,7 +89,7 @@ uint32_t GpuFrame::bandRows(uint32_t planes) const {
     planes = withSum(planes);
     const DeviceLimits& l = device_.limits();
     const uint64_t pitch = (uint64_t(prepared_.list.frame.width) + 15) / 16 * 16;
-    // reserve() takes a quarter more and 16 elements of four words.
+    // Words that fit: reserve() takes a quarter more and 16 elements of four words.
     const uint64_t words = (std::min({l.storageRangeBytes / 4, l.texelElements, device_.memoryBudgetBytes() / 4 / 4}) - 64) / 5 * 4;
     const uint64_t rows = words / (pitch * std::max(1u, planeCount(planes))) / 8 * 8;
     return uint32_t(std::clamp<uint64_t>(rows, 8, uint64_t(1) << 19));
@@ -105,7 +106,7 @@ uint32_t GpuFrame::bandRowsInPlace() const {
 
 void GpuFrame::checkFits(const char* what, uint64_t count, uint64_t elementBytes) const {
     const DeviceLimits& l = device_.limits();
-    // reserve() takes a quarter more.
+    // Size after reserve(), which takes a quarter more.
     if ((count + count / 4 + 16) * elementBytes > l.storageRangeBytes || count + count / 4 + 16 > l.texelElements)
         throw TooLarge{fmt::format("{} {} of {} bytes exceed a binding of the device", count, what, elementBytes)};
 }
@@ -148,7 +149,7 @@ void GpuFrame::upload(const DrawList& chunk) {
 void GpuFrame::transformAndCull(bool normals) {
     const FillChoices& choices = prepared_.choices;
     const bool gouraud = choices.shading == gpu::kShadingGouraud && !normals;
-    // World normals do not depend on the camera: they stay from picture to picture of one upload.
+    // World normals do not depend on the camera, so they stay from picture to picture of one upload.
     const bool carryNormals = choices.shading == gpu::kShadingPhong || normals;
     const bool writeNormals = carryNormals && !carriedNormals_;
     for (const DrawList::Range& r : chunk_->ranges) {
@@ -180,7 +181,7 @@ void GpuFrame::setupForBin() {
     const uint64_t corners = chunk_->positions.size() + places_.clippedVertices;
     checkFits("drawn triangles", places_.drawCount, sizeof(gpu::DrawTriangle));
     checkFits("vertices", corners, sizeof(glm::vec4));
-    if (corners > screen_.count()) {  // more clipped triangles than usual: keep what the transform left
+    if (corners > screen_.count()) {  // more clipped triangles than usual: keep the transformed vertices
         const std::vector<gpu::ScreenVertex> screen(screen_.span().begin(), screen_.span().end());
         const std::vector<glm::vec4> carried(carried_.span().begin(), carried_.span().end());
         screen_.reserve(device_, corners, "screen vertices");
@@ -193,12 +194,12 @@ void GpuFrame::setupForBin() {
     listDrawn(std::as_const(records_).span().first(lanes), sources_.span().first(places_.drawCount));
     const uint32_t tiles = tilesX_ * tilesY_;
     binned_ = band_.firstRow == 0 && band_.rows == chunk_->frame.height && band_.width == chunk_->frame.width;
-    setupMarks_.reserve(device_, binned_ ? std::max(1u, places_.drawCount) : 1, "marks of the set-up");
+    setupOverflow_.reserve(device_, binned_ ? std::max(1u, places_.drawCount) : 1, "overflow bits of the set-up");
     tiles_.reserve(device_, std::max(1u, tiles), "tiles");
     entries_.reserve(device_, 1, "tile lists");
     if (binned_) makeRoom();
     recordSetup(recorder_, {0, places_.drawCount, binned_ ? tilesX_ : 0, room_, chunk_->frame}, chunk_->cullBackFaces == 0, {}, triangles_,
-                screen_, sources_, draws_, tiles_, entries_, setupMarks_);
+                screen_, sources_, draws_, tiles_, entries_, setupOverflow_);
     wide_ = places_.wide;
     clippedDrawn_ = 0;
     if (places_.jobs.empty()) return recorder_.skip("clip", "no triangle crosses the near plane or leaves the guard band");
@@ -226,7 +227,7 @@ void GpuFrame::beginBand(const gpu::FrameBox& band, uint32_t planes) {
     tilesY_ = uint32_t(band.rows + gpu::kTileHeight - 1) / gpu::kTileHeight;
     rowQuads_ = tilesX_ * gpu::kTileWidth / 4;
     planeQuads_ = rowQuads_ * tilesY_ * gpu::kTileHeight;
-    // In place, the bands of a picture lie one after another in one buffer.
+    // Rows above the band: in place, the bands of a picture lie one after another in one buffer.
     const uint64_t above = inPlace_ ? uint64_t(band.firstRow) * rowQuads_ : 0;
     const uint64_t rows =
         inPlace_ ? (uint64_t(prepared_.list.frame.height) + gpu::kTileHeight - 1) / gpu::kTileHeight * gpu::kTileHeight : 0;
@@ -271,7 +272,8 @@ void GpuFrame::makeRoom() {
     std::fill_n(tiles_.span().begin(), tiles, 0u);
 }
 
-// Boxes of large triangles are the host's to cut: it alone can give each strip an invocation without trying every row of the band.
+// The host cuts boxes of large triangles into strips, one invocation each. On the device every large triangle would have to test every tile
+// row.
 void GpuFrame::makeStrips() {
     strips_.clear();
     const gpu::BinPush push = binPush();
@@ -294,7 +296,7 @@ void GpuFrame::makeStrips() {
 
 void GpuFrame::bin() {
     makeStrips();
-    // What is still recorded must not lose its buffers to larger ones, or to a chunk of which less is asked.
+    // Run the recorded commands first: the calls below may reallocate their buffers, or throw TooLarge and start over with a smaller chunk.
     if (!binned_ || strips_.size() > kFewStrips) recorder_.run(watchdogMs_);
     if (!binned_) makeRoom();
     const bool mediumWalk = binned_ && places_.medium.size() >= kFewMedium;
@@ -303,10 +305,10 @@ void GpuFrame::bin() {
     put<PlacedTriangle>(device_, medium_, mediumWalk ? std::span<const PlacedTriangle>(places_.medium) : std::span<const PlacedTriangle>(),
                         "medium triangles");
     put<glm::uvec4>(device_, stripBuffer_, strips_, "strips");
-    walkMarks_.reserve(device_, std::max(1u, walked), "marks of triangles");
-    stripMarks_.reserve(device_, std::max<uint64_t>(1, strips_.size()), "marks of strips");
+    walkOverflow_.reserve(device_, std::max(1u, walked), "overflow bits of triangles");
+    stripOverflow_.reserve(device_, std::max<uint64_t>(1, strips_.size()), "overflow bits of strips");
     recordBin(recorder_, binPush(), {walked, mediumWalk, uint32_t(strips_.size()), wide_}, {},
-              {draws_, screen_, medium_, stripBuffer_, tiles_, entries_, walkMarks_, stripMarks_});
+              {draws_, screen_, medium_, stripBuffer_, tiles_, entries_, walkOverflow_, stripOverflow_});
     recorder_.run(watchdogMs_);
     collectLists(walked, std::exchange(binned_, false));
 }
@@ -315,42 +317,43 @@ void GpuFrame::collectLists(uint32_t walked, bool binned) {
     const std::span<const uint32_t> counts = std::as_const(tiles_).span();
     tileRecords_.clear();
     binEntries_ = 0;
-    crowded_ = 0;
+    overflowed_ = 0;
     uint64_t end = uint64_t(tilesX_) * tilesY_ * room_;
     for (uint32_t y = 0, t = 0; y < tilesY_; ++y)
         for (uint32_t x = 0; x < tilesX_; ++x, ++t) {
             const uint32_t count = counts[t];
             if (count == 0) continue;
-            const bool crowded = count > room_;
-            tileRecords_.emplace_back(x | y << 16, uint32_t(crowded ? end : uint64_t(t) * room_), count, 0u);
+            const bool overflowed = count > room_;
+            tileRecords_.emplace_back(x | y << 16, uint32_t(overflowed ? end : uint64_t(t) * room_), count, 0u);
             binEntries_ += count;
-            crowded_ += crowded;
-            end += crowded ? count : 0;
+            overflowed_ += overflowed;
+            end += overflowed ? count : 0;
         }
-    if (crowded_) listCrowded(end, walked, binned);
+    if (overflowed_) listOverflowed(end, walked, binned);
 }
 
-void GpuFrame::listCrowded(uint64_t end, uint32_t walked, bool binned) {
+void GpuFrame::listOverflowed(uint64_t end, uint32_t walked, bool binned) {
     if (end > entries_.count()) {
-        checkFits("tile-list entries", end, 4);  // not before: the room that reserve() adds is a quarter of the binding's limit
+        // only when the buffer must grow: the 25 % that reserve() added may hold the list although checkFits() would refuse it
+        checkFits("tile-list entries", end, 4);
         const std::vector<uint32_t> entries(entries_.span().begin(), entries_.span().end());
         entries_.reserve(device_, end, "tile lists");
         entries_.upload(entries);
     }
     const auto tileOf = [&](const glm::uvec4& record) { return (record.x >> 16) * tilesX_ + (record.x & 0xffffu); };
-    CrowdedTiles crowded(binPush(), entries_.span().first(end));
+    OverflowedTiles overflowed(binPush(), entries_.span().first(end));
     for (const glm::uvec4& record : tileRecords_)
-        if (record.z > room_) crowded.move(tileOf(record), record.y);
+        if (record.z > room_) overflowed.move(tileOf(record), record.y);
     const std::span<const gpu::DrawTriangle> draws = std::as_const(draws_).span();
     const std::span<const gpu::ScreenVertex> screen = std::as_const(screen_).span();
-    if (binned) crowded.addSetUp(std::as_const(setupMarks_).span().first(places_.drawCount), draws, screen);
+    if (binned) overflowed.addSetUp(std::as_const(setupOverflow_).span().first(places_.drawCount), draws, screen);
     const bool listed = binned && walked != 0;
-    crowded.addWalked(std::as_const(walkMarks_).span().first(walked),
-                      listed ? std::span<const PlacedTriangle>(places_.medium) : std::span<const PlacedTriangle>(), draws, screen);
-    crowded.addStrips(std::as_const(stripMarks_).span().first(strips_.size()), strips_);
+    overflowed.addWalked(std::as_const(walkOverflow_).span().first(walked),
+                         listed ? std::span<const PlacedTriangle>(places_.medium) : std::span<const PlacedTriangle>(), draws, screen);
+    overflowed.addStrips(std::as_const(stripOverflow_).span().first(strips_.size()), strips_);
     for (const glm::uvec4& record : tileRecords_)
-        if (record.z > room_ && crowded.endOf(tileOf(record)) != record.y + record.z)
-            throw renderError("bin: a crowded tile's list is not complete");
+        if (record.z > room_ && overflowed.endOf(tileOf(record)) != record.y + record.z)
+            throw renderError("bin: an overflowed tile's list is not complete");
 }
 
 TileLists GpuFrame::lists() const {
@@ -378,7 +381,8 @@ void GpuFrame::prepare(FillChoices choices, uint32_t planes) {
     prepareFill(recorder_, onDevice(choices), prepared_.list.towardViewer != glm::vec3(0), {});
 }
 
-// The fill writes every pixel of a tile with a list: where one draw makes the picture, the others are all that is to clear.
+// True when only tiles without a list must be cleared. The fill writes every pixel of a tile with a list, so where one draw makes the
+// picture the others are all that is left.
 bool GpuFrame::clearsEmptyTiles() const { return inPlace_ && planes_ == 0; }
 
 void GpuFrame::clearEmptyTiles() {
@@ -407,7 +411,7 @@ void GpuFrame::fill(FillChoices choices) {
     choices = onDevice(choices);
     const bool lit = choices.shading == gpu::kShadingPhong && (choices.parts.diffuse || choices.parts.specular);
     const uint32_t lightCount = lit ? uint32_t(chunk_->lights.size()) : 0;
-    // A list too long for one invocation is drawn in slices over the planes, as chunks are.
+    // Slices of the longest list. A list too long for one invocation is drawn in slices over the planes, as chunks are.
     uint32_t slices = 1;
     for (const glm::uvec4& tile : tileRecords_) slices = std::max(slices, (tile.z + gpu::kTileListLimit - 1) / gpu::kTileListLimit);
     if (slices > 1 && !(choices.write & gpu::kFillPlaneZ)) throw TooLarge{"a tile's list needs slices"};
@@ -424,7 +428,7 @@ void GpuFrame::fill(FillChoices choices) {
     push.backgroundLinear = prepared_.backgroundLinear;
     push.toward = chunk_->towardViewer;
     push.frameEnd = {band_.width, band_.firstRow + band_.rows};
-    // The pixel that is shaded must be known when it is.
+    // rate=1/2 needs final visibility: a later chunk or slice could cover the shaded pixel of a 2 x 2 square.
     if (choices.coarse && (choices.prior || slices > 1))
         throw renderError("rate=1/2 draws a picture in one piece only, and this one takes several chunks of triangles: leave it out");
     // Tiles with one triangle have a kernel of their own, without loops. It is worth compiling where it has much to do.
@@ -442,7 +446,8 @@ void GpuFrame::fill(FillChoices choices) {
         }
         put<glm::uvec4>(device_, tileBuffer_, tiles, "tile records");
         put<glm::uvec4>(device_, aloneBuffer_, alone, "tiles of one triangle");
-        // All windows but the last leave the sum only: z still is what the last one, too, shall find there.
+        // Light windows before the last write the colour sum but not z: triangles tied with a z already stored would lose in the next
+        // window.
         push.firstLight = 0;
         do {
             push.lightCount = std::min(lightCount - push.firstLight, lightsPerWindow(choices));
@@ -465,7 +470,7 @@ void GpuFrame::fill(FillChoices choices) {
     }
 }
 
-// In dispatches that are neither long nor too many.
+// Records tiles in dispatches that are neither long nor too many.
 void GpuFrame::recordTiles(std::span<const glm::uvec4> tiles, const Buffer<glm::uvec4>& buffer, gpu::FillPush push,
                            const FillChoices& choices) {
     const FillBuffers buffers{draws_,       screen_,      choices.shading == gpu::kShadingFlat ? faceColours_ : carried_,
