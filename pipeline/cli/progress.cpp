@@ -46,7 +46,7 @@ void Progress::begin(const std::string& task, double from, double to, std::chron
     update(0);
 }
 
-// fmt::print throws when the stream cannot be written; fputs says so, and nobody asks.
+// Writes text. fmt::print throws when the stream cannot be written; fputs returns an error, which is ignored.
 static void put(std::FILE* stream, const std::string& text) {
     std::fputs(text.c_str(), stream);
     std::fflush(stream);

@@ -20,8 +20,8 @@ public:
     Progress& operator=(const Progress&) = delete;
     ~Progress();  // clears the bar
 
-    // A task and its part of the whole, e.g. "render 3/24" from 2/24 to 3/24. What is shown is the share of the whole; its
-    // clock starts with the task that begins at 0. It never falls: work that is done again (a device opened afresh) shows where it was.
+    // Begins a task that is a part of the whole, e.g. "render 3/24" from 2/24 to 3/24. The share of the whole is shown; its clock starts
+    // with the task that begins at 0. It never falls: repeated work (a device opened afresh) shows its earlier share.
     void begin(const std::string& task, double from = 0, double to = 1,
                std::chrono::milliseconds after = {});  // nothing is shown before `after`
     void rename(const std::string& task) { task_ = task; }
@@ -29,7 +29,7 @@ public:
     void update(double fraction);  // 0..1 of the task
     void clear();                  // before anything else is printed
 
-    // Seconds that are left, from the time that `fraction` took; none while it is too early to say.
+    // Estimate of the seconds left, from the time that `fraction` took; none while it is too early.
     static std::optional<double> secondsLeft(double fraction, double elapsedSeconds);
     static std::string clock(double seconds);  // "1:02", "2:30:00"
 
@@ -39,7 +39,7 @@ private:
     std::FILE* stream_;
     std::string task_;
     Clock::time_point start_, last_, show_;
-    double from_ = 0, to_ = 1;  // of the task, in the whole
+    double from_ = 0, to_ = 1;  // part of the task in the whole
     double shownShare_ = 0;
     int lastTenth_ = -1;
     bool told_ = false;  // the end of the whole

@@ -223,7 +223,8 @@ uint64_t countOf(const std::string& word) {
     return uint64_t(count);
 }
 
-// At least 3; a fifth of what was asked for where one round takes longer than a second.
+// Count of items from which a benchmark runs fewer rounds: a fifth of those asked for, at least 3, because one round takes longer than a
+// second.
 constexpr uint64_t kLargeCount = 4000000;
 
 Exit benchMatrixCommand(const Options& options, Renderer& renderer, const std::vector<std::string>& rows) {
@@ -304,7 +305,7 @@ std::string textOf(const ClaimTable& table) {
     return text;
 }
 
-// The closed convex mesh of the claims where no other is named: as many triangles as the notes' meshes would have on a screen of today.
+// Default mesh of the claims, closed and convex: as many triangles as the notes' meshes would have on a screen of today.
 constexpr const char* kClaimScene = "sphere1e4";
 
 Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::vector<std::string>& rows) {

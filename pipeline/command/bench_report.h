@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the reports of all benchmarks have in common.
+// Common parts of the reports of all benchmarks.
 #pragma once
 
 #include "pipeline/bench/statistics.h"

@@ -24,21 +24,22 @@ Exit matrixCommand(const Options&);
 Exit benchCommand(const Options&);
 Exit helpCommand(const Options&);
 
-// What `--version` prints, and the "tool" of every report.
+// Version report of `--version`, and the "tool" of every report.
 std::string versionReport();
 Json toolJson();
 
-// Standard output has lost its reader, as SIGPIPE would have ended the command: no line is said.
+// Exit code when standard output has lost its reader, as if SIGPIPE had ended the command: no message is printed.
 inline constexpr Exit kReaderLeft = Exit(141);
-// Data on standard output: all of it is written, or Error(failed); Error(kReaderLeft) when nobody reads it any more.
+// Writes data to standard output: all of it, or Error(failed); Error(kReaderLeft) when nobody reads it any more.
 void printData(const std::string& text);
 // Throws the errors of printData() for a standard output that is closed or has lost its reader, before there is something to write.
 void expectReader();
-// The end of a command: its files are placed, `text` and the report of --json are written, and then the files are kept. What fails leaves none of them.
+// Finishes a command: its files are placed, `text` and the report of --json are written, and then the files are kept. A failure leaves none
+// of them.
 void finish(const Options&, FileBatch& files, const std::string& text, const std::vector<Json>& objects);
-// The report of --json: one object, or an array when there are several, to standard output or to --json=FILE.
+// Writes the report of --json: one object, or an array when there are several, to standard output or to --json=FILE.
 void writeJson(const Options&, const std::vector<Json>& objects);
-// A line for people, on standard error; one that cannot be written is lost and ends nothing. say(): nothing with -q.
+// Prints a line for people on standard error; a line that cannot be written is lost and ends nothing. say(): nothing with -q.
 void tell(const std::string& line);
 void say(const Options&, const std::string& line);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// plumb devices: what was found, what would be picked and why not the others, and the self-test of each.
+// plumb devices: the devices found, the one that would be picked and why not the others, and the self-test of each.
 #include "pipeline/command/command.h"
 #include "pipeline/command/renderer.h"
 #include "pipeline/scene/text.h"

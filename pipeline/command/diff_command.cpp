@@ -24,7 +24,7 @@ namespace {
 std::string placeText(const Place& p) { return fmt::format("({}, {})", p.x, p.y); }
 Json placeJson(const Place& p) { return {p.x, p.y}; }
 
-// JSON has no infinity and no NaN: they are the strings "inf", "-inf", "nan".
+// Number in JSON, which has no infinity and no NaN: they are the strings "inf", "-inf", "nan".
 Json numberJson(double value) {
     if (std::isfinite(value)) return value;
     return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
@@ -38,7 +38,7 @@ const char* channelName(const LayerDifference& d, uint32_t channel) {
     return kNames[channel];
 }
 
-// 0.0078 of full scale is hard to read for who thinks in bytes.
+// Error in words, in steps of 255 too, because 0.0078 of full scale is hard to read in bytes.
 std::string levelsText(const LayerDifference& d, double error) {
     return d.a.kind == LayerKind::code ? fmt::format("{:.6g} ({:.6g}/255)", error, error * 255) : fmt::format("{:.9g}", error);
 }
@@ -153,13 +153,13 @@ Json gateJson(const GateResult& r) {
     return json;
 }
 
-// What is drawn when planes are many: the first that differs, else the first.
+// Plane to draw when there are many: the first that differs, else the first.
 const LayerDifference* shown(const Comparison& c) {
     const auto at = std::find_if(c.layers.begin(), c.layers.end(), [](const LayerDifference& d) { return d.differing != 0 || d.hasNan(); });
     return at != c.layers.end() ? &*at : c.layers.empty() ? nullptr : c.layers.data();
 }
 
-// Pictures are encoded before any is written: a refusal then leaves none.
+// Writes the pictures. All are encoded before any is written, so that a refusal leaves none.
 Json writePictures(const Options& options, FileBatch& batch, const Picture& a, const Picture& b, const Comparison& comparison) {
     Json written = Json::array();
     const LayerDifference* layer = shown(comparison);
@@ -211,7 +211,7 @@ Exit diffCommand(const Options& options) {
     stopIfInterrupted();
     const std::vector<GateResult> results = judge(gates, comparison);
 
-    // Without a gate everything must be equal. With gates: they hold, sizes and planes agree, and no NaN is unspoken of.
+    // Faults. Without a gate everything must be equal. With gates: they hold, sizes and planes agree, and a gate covers every NaN.
     std::vector<std::string> faults;
     if (!comparison.sameSize) faults.push_back(fmt::format("the sizes differ: {}", comparison.sizeDifference));
     for (const auto& [names, path] : {std::pair{&comparison.onlyA, &b.path}, {&comparison.onlyB, &a.path}})
@@ -241,7 +241,7 @@ Exit diffCommand(const Options& options) {
         text += fmt::format("wrote {} ({} of plane {}{})\n", printable(w["path"].get<std::string>()), w["shows"].get<std::string>(),
                             w["plane"].get<std::string>(),
                             w.contains("gain_exponent") ? fmt::format(", times 2^{}", w["gain_exponent"].get<int>()) : "");
-    // Standard output is taken by the picture of -o - or by --json.
+    // True when standard output is free: neither the picture of -o - nor --json takes it.
     const bool printed = options.output != "-" && !(options.json && options.jsonFile.empty());
 
     Json json;

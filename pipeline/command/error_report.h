@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Error figures as reports give them. Shares of full scale: 1 is 255 steps.
+// Error figures in reports. Shares of full scale: 1 is 255 steps.
 #pragma once
 
 #include "pipeline/command/command.h"
@@ -12,9 +12,10 @@
 namespace plumb {
 
 Json truthJson(const Truth&);
-// `sampledAlike`: the picture's samples are the truth's, so that visible primitives and depths can be compared. No rounding: null.
+// Error figures in JSON. `sampledAlike`: the picture's samples are the truth's, so that visible primitives and depths can be compared. No
+// rounding: null.
 Json errorJson(const FrameError&, bool sampledAlike, const std::optional<Rounding>& rounding);
-// One line for people: max and where, p99, rms, wrong primitives, what float32 costs by itself.
+// Error figures in one line for people: max and where, p99, rms, wrong primitives, rounding.
 std::string errorLine(const FrameError&, const Truth&, const std::optional<Rounding>& rounding);
 
 }  // namespace plumb

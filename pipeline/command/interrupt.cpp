@@ -13,7 +13,7 @@ namespace {
 volatile std::sig_atomic_t caught = 0;
 
 extern "C" void onSignal(int signal) {
-    if (caught != 0) {  // asked twice: no destructor runs, so the one thing that would stay behind is taken away here
+    if (caught != 0) {  // second signal: no destructor runs, so the temporary file is removed here
         removeTemporaryFile();
         ::_exit(128 + signal);
     }

@@ -11,8 +11,8 @@
 
 namespace {
 
-// A caller may have closed a standard stream. A picture must not then be opened under its number, so that it would receive
-// what is printed: the place is taken, read-only, and printing fails as it should.
+// Opens closed standard streams. A caller may have closed one. A picture must not then be opened under its number, because it would receive
+// what is printed. The number is taken, read-only, and printing fails as it should.
 void occupyStandardStreams() {
     for (int fd = 0; fd <= 2; ++fd)
         if (::fcntl(fd, F_GETFD) == -1 && ::open("/dev/null", O_RDONLY) != fd) return;
@@ -49,7 +49,8 @@ int fail(plumb::Exit exit, const char* message) {
     return int(exit);
 }
 
-// A report is a part of what a command makes: when its reader leaves and files were asked for, that is a failure. A text alone is cut where its reader has had enough.
+// True when a command writes files. Its report then is a part of the result: a reader that leaves is a failure. A text alone is cut where
+// its reader has had enough.
 bool makesFiles(const plumb::Options& options) {
     return !options.output.empty() || !options.heat.empty() || !options.jsonFile.empty() || !options.csvFile.empty();
 }
@@ -64,7 +65,7 @@ int main(int count, char** arguments) {
         options = plumb::parseOptions({arguments + (count > 0 ? 1 : 0), arguments + count});
         return int(run(options));
     } catch (const plumb::Error& error) {
-        // A renderer that was told to stop says so; which signal told it is known here.
+        // Exit code of the signal: a renderer that was interrupted does not know which one it was.
         if (error.exit() == plumb::Exit::interrupted && plumb::interruptedBy() != 0)
             return fail(plumb::Exit(128 + plumb::interruptedBy()), error.what());
         if (error.exit() == plumb::kReaderLeft) return makesFiles(options) ? fail(plumb::Exit::failed, error.what()) : int(error.exit());

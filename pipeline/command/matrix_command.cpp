@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// plumb matrix: a chain of transforms, what it is after each step, its composite, and the same chain as a tree of products.
+// plumb matrix: a chain of transforms, its matrix after each step, its composite, and the same chain as a tree of products.
 #include "pipeline/command/command.h"
 #include "pipeline/command/interrupt.h"
 #include "pipeline/command/matrix_steps.h"
@@ -43,7 +43,7 @@ struct PointOf<dmat4> {
     using Type = dvec3;
 };
 
-// As printed: the notation and the handedness that were asked for.
+// Matrix as printed, in the requested notation and handedness.
 template <class Matrix>
 Matrix shown(const Options& options, const Matrix& m) {
     Matrix result = m;
@@ -89,7 +89,7 @@ double largestDifference(const Matrix& a, const Matrix& b) {
     return largest;
 }
 
-// Points in [0, 1), the same on every machine.
+// Random points in [0, 1), the same on every machine.
 template <class Point>
 std::vector<Point> manyPoints(uint64_t count) {
     std::vector<Point> points(count);
@@ -310,7 +310,7 @@ Json ofSteps(const Options& options) {
 }  // namespace
 
 Exit matrixCommand(const Options& options) {
-    // A step has a '=', and a scene is one file; a path with a '=' is written ./a=b.toml.
+    // True for a step, which has a '='. A scene is one file; a path with a '=' is written ./a=b.toml.
     const auto isStep = [](const std::string& word) { return word.find('=') != std::string::npos && word.find('/') == std::string::npos; };
     const bool steps = isStep(options.inputs[0]);
     if (!steps && options.inputs.size() > 1) throw usageError("matrix takes the steps of a chain (what=value), or one scene");

@@ -22,7 +22,7 @@ using glm::dvec3;
 constexpr const char* kWordsInSpace = "translate, scale, rotate_x, rotate_y, rotate_z, rotate, matrix";
 constexpr const char* kWordsInPlane = "translate, scale, rotate, matrix";
 
-// One word, taken apart. Parts that nobody asks for are refused by finish().
+// Parts of one word. Parts that nothing reads are refused by finish().
 class Word {
 public:
     Word(std::string text, size_t number) : text_(std::move(text)), number_(number) {

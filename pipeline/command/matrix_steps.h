@@ -9,7 +9,7 @@
 
 namespace plumb {
 
-// `what=value`, then `:part=value` for each further part. A step in place or about a line becomes its elementary matrices.
+// Steps of words `what=value`, then `:part=value` for each further part. A step in place or about a line becomes its elementary matrices.
 // Space: translate=X,Y,Z  scale=S|X,Y,Z[:about=P]  rotate_x|rotate_y|rotate_z=DEGREES[:about=P]
 //        rotate=DEGREES:axis=V[:through=P]  rotate=DEGREES:from=P:to=P  matrix=16 numbers, rows of a matrix for column vectors
 // Plane: translate=X,Y  scale=S|X,Y[:about=P]  rotate=DEGREES[:about=P]  matrix=9 numbers

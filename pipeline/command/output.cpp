@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What leaves the program: data on standard output, words on standard error, reports as JSON, and what the tool is.
+// Output of the program: data on standard output, messages on standard error, reports as JSON, and the tool's version.
 #include "pipeline/command/command.h"
 #include "pipeline/command/version.h"
 #include "pipeline/image/file_batch.h"
@@ -59,7 +59,7 @@ void writeJson(const Options& options, const std::vector<Json>& objects) {
     finish(options, file, "", objects);
 }
 
-// fmt::print throws when standard error is full, closed or has no reader. Words for people never end a run.
+// Prints a message. fmt::print throws when standard error is full, closed or has no reader, but messages never end a run.
 void tell(const std::string& line) {
     const std::string text = line + "\n";
     std::fwrite(text.data(), 1, text.size(), stderr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What draws: a device, or the CPU twin, and how it came to that. No device is swapped silently.
+// Renderer: a device, or the CPU twin, and the reason for the choice. No device is swapped silently.
 #pragma once
 
 #include "pipeline/command/command.h"
@@ -19,8 +19,8 @@ public:
     // Throws Error(device) when the required device is not there or fails its self-test. Says nothing by itself.
     explicit Renderer(const Options&);
 
-    // A device that fails is opened afresh once, then the twin draws, unless a device is required. Each such step is a
-    // sentence of fallbacks().
+    // Draws. A device that fails is opened afresh once, then the twin draws, unless a device is required. Each such step is a sentence of
+    // fallbacks().
     RenderResult render(const Scene&, const RenderRequest&);
 
     Device* device() { return device_ ? &*device_ : nullptr; }  // none: the twin draws
@@ -28,7 +28,7 @@ public:
     const std::vector<std::string>& fallbacks() const { return fallbacks_; }
     double openMs() const { return openMs_; }
     uint64_t devicePeakBytes() const { return device_ ? device_->memoryPeakBytes() : 0; }
-    std::string name() const;  // of what draws now
+    std::string name() const;  // name of what draws now
     Json json() const;         // "device" of a report
 
     // Throws Error(failed) when validation was on (PLUMB_VALIDATION=1) and complained.

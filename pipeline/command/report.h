@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The parts that reports share. Keys are stable; docs/outputs.md lists them.
+// Common parts of reports. Keys are stable; docs/outputs.md lists them.
 #pragma once
 
 #include "pipeline/command/renderer.h"
@@ -16,19 +16,19 @@ struct SourceFile {
     uint64_t bytes = 0;
 };
 
-// What a picture's pixels say about it.
+// Facts from the pixels of a picture.
 struct FrameFacts {
     uint64_t pixels = 0, covered = 0, distinctColours = 0, nan = 0, inf = 0;
-    std::string firstFault;  // of a NaN or infinity: plane, pixel, value
+    std::string firstFault;  // first NaN or infinity: plane, pixel, value
     double coveredShare() const { return pixels == 0 ? 0 : double(covered) / double(pixels); }
 };
 
 std::vector<SourceFile> sourcesOf(const std::vector<std::string>& paths, const LoadOptions&);
 FrameFacts factsOf(const Frame&, bool countColours);  // uncounted, distinctColours is 0
-// Nearly nothing is covered, or the picture has one colour only.
+// True when nearly nothing is covered, or the picture has one colour only.
 bool isBlank(const FrameFacts&, double leastShare);
 
-// The warning about a picture without a covered pixel, with the reason where what was counted tells it.
+// Warning about a picture without a covered pixel, with the reason where the counts tell it.
 std::string nothingSeen(const RenderCounters&);
 
 Json hostJson();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From flags to what the loader and the renderer take.
+// Requests to the loader and the renderer, from flags.
 #pragma once
 
 #include "pipeline/cli/options.h"
@@ -13,12 +13,13 @@
 
 namespace plumb {
 
-// The load is shown as "load", from one share of the progress to another, where it takes longer than a moment; an interrupt ends it.
+// Options of a load. It is shown as "load", from one share of the progress to another, where it takes longer than a moment; an interrupt
+// ends it.
 LoadOptions loadOptionsOf(const Options&, Progress* progress = nullptr, double from = 0, double to = 1);
 RenderRequest requestOf(const Options&, const Scene&, glm::uvec2 size);
-// The verdict of docs/accuracy.md on what is drawn: "bits" or "bounded".
+// Verdict of docs/accuracy.md on the picture: "bits" or "bounded".
 const char* determinismOf(const RenderRequest&);
-// The packed pixel that shows where nothing is drawn.
+// Packed pixel of the background.
 uint32_t backgroundPixel(const RenderRequest&);
 
 }  // namespace plumb

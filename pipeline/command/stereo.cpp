@@ -41,7 +41,7 @@ RenderResult renderEye(Renderer& renderer, Scene& scene, const Camera& camera, c
     scene.camera->eye += camera.right * (stereo.separation / (eye == Eye::left ? -2 : 2));
     RenderResult result = renderer.render(scene, wide);
     scene.camera = camera;
-    // What lies straight ahead at the focus distance is `shift` columns right of the middle for the left eye.
+    // Window of an eye: a point straight ahead at the focus distance is `shift` columns right of the middle for the left eye.
     result.frame = columnsOf(result.frame, eye == Eye::left ? 2 * stereo.shift : 0, request.width);
     return result;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Two eyes instead of one camera (section 3 of the notes: two images from slightly different viewpoints).
-// Both look along the camera's own direction, half the separation to its left and right, so no point is higher for one eye than for the other. Each
-// sees a window that is moved by whole pixels, so that what lies at the distance to the framed centre is at the same place for both (within half
-// a pixel each): nearer things stand before the screen, farther ones behind it. The parallax in pixels at depth w is focal * separation * (1/w - 1/focus).
+// Stereo: two eyes instead of one camera (section 3 of the notes: two images from slightly different viewpoints).
+// Both look along the camera's own direction, half the separation to its left and right, so no point is higher for one eye than for the
+// other. Each sees a window that is moved by whole pixels. So a point at the distance of the framed centre is at the same pixel for both
+// (within half a pixel each). Nearer things stand before the screen, farther ones behind it. The parallax in pixels at depth w is focal *
+// separation * (1/w - 1/focus).
 #pragma once
 
 #include "pipeline/command/renderer.h"
@@ -26,7 +27,7 @@ struct Stereo {
 enum class Eye { left, right };
 const char* nameOf(Eye);
 
-// What one eye sees, `request` being that of the picture. Adds the object plane, by which covered pixels are counted.
+// Picture of one eye, `request` being that of the whole picture. Adds the object plane, by which covered pixels are counted.
 RenderResult renderEye(Renderer&, Scene&, const Camera&, const RenderRequest&, const Stereo&, Eye);
 // Both eyes in one picture: twice as wide for side-by-side. Times are of both, plan and counters of the left one.
 RenderResult renderBothEyes(Renderer&, Scene&, const Camera&, const RenderRequest&, const Stereo&);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What was built: made by version.cmake and CMakeLists.txt of this folder.
+// Version of the build: made by version.cmake and CMakeLists.txt of this folder.
 #pragma once
 
 #include <span>

@@ -15,9 +15,9 @@ namespace plumb {
 namespace {
 
 constexpr double kFullScale = 255;  // steps
-// srgbCode and the sums of steps are made in binary64: each is off by less than 2^-40 of full scale.
+// Error of srgbCode() and the sums of steps in binary64: each is off by less than 2^-40 of full scale.
 constexpr double kArithmeticError = 0x1p-32;
-// FrameError::perPixel holds float32.
+// Error of FrameError::perPixel, which holds float32.
 constexpr double kStoredError = 0x1p-23;
 
 struct PixelBound {
@@ -65,7 +65,7 @@ ErrorBound errorBoundOf(const Frame& base, const Truth& truth, bool transparent,
     ErrorBound bound;
     bound.steps = steps;
     bound.perPixel.assign(pixels, 0.0);
-    std::vector<std::pair<double, bool>> values;  // what a pixel's error is at most; it may have any code
+    std::vector<std::pair<double, bool>> values;  // largest error of a pixel; true: it may have any code
     double squares = 0;
     bool anywhere = true;  // every pixel may have any code
     for (size_t at = 0; at < pixels; ++at) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the error of a picture can be at most where its choice has a proved bound, and whether it is.
+// Bound of a picture's error where its choice has a proved one, and whether the error keeps it.
 #pragma once
 
 #include "pipeline/truth/frame_error.h"
@@ -15,7 +15,7 @@
 
 namespace plumb {
 
-// What a choice may move the colour of a default picture by, in linear light, a channel: alike everywhere, or three values a pixel.
+// Largest moves of a default picture's colour by a choice, in linear light, a channel: alike everywhere, or three values a pixel.
 class ColourMoves {
 public:
     ColourMoves(const glm::dvec3& brighter, const glm::dvec3& darker) : brighterAll_(brighter), darkerAll_(darker) {}
@@ -32,32 +32,34 @@ private:
     std::vector<float> brighter_, darker_;
 };
 
-// Steps of the sRGB code, rounding to bytes included. A figure is kNoBound where the choice may leave any code in the pixel that the figure hangs on.
+// Bounds of the error figures in steps of the sRGB code, rounding to bytes included. A figure is kNoBound where the choice may leave any
+// code in the pixel that decides the figure.
 struct ErrorBound {
     static constexpr double kNoBound = std::numeric_limits<double>::infinity();
     double max = 0, mean = 0, rms = 0, p99 = 0;
-    double linear = 0;             // what the choice may add, in linear light; kNoBound from full scale on
-    double steps = 0;              // and in steps of the code, after that
+    double linear = 0;             // largest addition by the choice in linear light; kNoBound from full scale on
+    double steps = 0;              // further addition in steps of the code
     std::vector<double> perPixel;  // 0 where neither picture nor truth shows anything
-    // Nothing is said by any figure.
+    // True when no figure has a bound.
     bool empty() const { return max == kNoBound && mean == kNoBound && rms == kNoBound && p99 == kNoBound && linear == kNoBound; }
-    // Which figures say nothing, and why; empty: each says something.
+    // Figures without a bound, and why; empty: each has one.
     std::string why() const;
 };
 
-// `base`: the default picture, sRGB, of the truth's size. A choice leaves a code between those of the darkest and the brightest colour that it may make of the default's,
-// half a step of rounding to bytes and `steps` beside them, and none outside 0 to 255; alpha is the default's own.
+// Bound of the error of a choice's picture. `base`: the default picture, sRGB, of the truth's size. A choice leaves a code between those of
+// the darkest and the brightest colour that it may make of the default's, plus half a step of rounding to bytes and `steps`, and none
+// outside 0 to 255. Alpha is the default's own.
 ErrorBound errorBoundOf(const Frame& base, const Truth& truth, bool transparent, const ColourMoves& moves, double steps);
 
 struct BoundBreach {
     std::string figure;     // max, mean, rms, p99 or linear
-    uint32_t x = 0, y = 0;  // the pixel that is furthest beyond its own bound; of mean and rms, the one with the largest error
+    uint32_t x = 0, y = 0;  // pixel furthest beyond its own bound; for mean and rms, the pixel with the largest error
     double error = 0, bound = 0;
     const char* unit = "steps of 1/255";
 };
-// The first figure that is not within its bound; not a number is within none. None: all are.
+// First figure that is not within its bound; NaN is within none. None: all are.
 std::optional<BoundBreach> breachOf(const FrameError& error, const ErrorBound& bound, uint32_t width);
-// Where `frame` is further from the default picture in linear light than the choice may move it.
+// First pixel where `frame` is further from the default picture in linear light than the choice may move it.
 std::optional<BoundBreach> breachOfMoves(const Frame& base, const Frame& frame, const ColourMoves& moves);
 
 }  // namespace plumb

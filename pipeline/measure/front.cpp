@@ -19,7 +19,7 @@ struct Unit {
 
 long long stepsOf(double error) { return std::llround(error / kErrorStep); }
 
-// Both in steps. Within pictures of the same samples the first rises with the second.
+// Errors of both kinds in steps. Within pictures of the same samples the first rises with the second.
 std::vector<std::pair<long long, long long>> errorsOf(std::span<const FrontPoint> points) {
     std::vector<std::pair<long long, long long>> errors;
     for (const FrontPoint& point : points) {
@@ -33,7 +33,7 @@ std::vector<std::pair<long long, long long>> errorsOf(std::span<const FrontPoint
     return errors;
 }
 
-// Chains of overlapping intervals within one work.
+// Units: chains of overlapping intervals within one work.
 std::vector<Unit> unitsOf(std::span<const FrontPoint> points) {
     const auto errors = errorsOf(points);
     std::vector<size_t> order(points.size());
@@ -50,7 +50,7 @@ std::vector<Unit> unitsOf(std::span<const FrontPoint> points) {
         units.back().high = std::max(units.back().high, point.high);
         units.back().points.push_back(i);
     }
-    // What has the default's errors and is not told apart from it is one with it.
+    // Points with the default's errors that are not told apart from it join its unit.
     const auto holds = [](const Unit& unit, size_t i) { return std::find(unit.points.begin(), unit.points.end(), i) != unit.points.end(); };
     const auto own = std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return holds(unit, 0); });
     if (own == units.end()) return units;

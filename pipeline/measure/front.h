@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The front of a trade: what nothing else beats in time and error, as far as times can be told apart.
+// Front of a trade: the points that no other beats in time and error, as far as times can be told apart.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace plumb {
 
-// Errors, in steps of 1/255, are one where they are equal to this: a thousandth of a step, the last digit that the table prints. Less moves no byte of a picture.
+// Resolution of errors, in steps of 1/255: a thousandth of a step, the last digit that the table prints. Less moves no byte of a picture.
 inline constexpr double kErrorStep = 0.001;
 
 struct FrontPoint {
@@ -20,13 +20,13 @@ struct FrontPoint {
     bool again = false;             // the default once more: one with it whatever its interval says
 };
 
-// Whether each point is on the front. The first is the default.
-//
-// One point is nearer to the truth than another: with the same samples, when its error at these samples is less; with other samples, when its error
-// against the truth of the most samples is less, where a point counts no less than any that is nearer at the same samples: edges that happen to cancel are no merit.
-// It is faster when its interval lies below the other's. It beats what it is faster than and not further off, and what it is nearer than and
-// not slower. Points of one work whose intervals overlap, one to the next, are one point: all of them are on the front, or none. So are the default and what has its errors
-// and is not told apart from it.
+// True for each point on the front. The first point is the default.
+// One point is nearer to the truth than another: with the same samples, when its error at these samples is less; with other samples, when
+// its error against the truth of the most samples is less. There a point counts no less than any that is nearer at the same samples,
+// because edges that happen to cancel are no merit.
+// It is faster when its interval lies below the other's. It beats a point when it is faster and not further off, or nearer and not slower.
+// Points of one work whose intervals overlap, one to the next, are one point: all of them are on the front, or none. So are the default and
+// the points with its errors that are not told apart from it.
 std::vector<bool> frontOf(std::span<const FrontPoint> points);
 
 }  // namespace plumb

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every choice against one truth, with its time, on the user's own scene.
+// Measurement of every choice against one truth, with its time, on the user's own scene.
 #pragma once
 
 #include "pipeline/measure/axes.h"
@@ -21,48 +21,48 @@ namespace plumb {
 struct MeasurePlan {
     std::vector<const Axis*> axes;
     Setting base;               // the default picture; each choice changes one thing of it
-    bool deviceThere = true;    // false: what needs one is absent
+    bool deviceThere = true;    // false: choices that need a device are absent
     uint32_t repetitions = 31;  // rounds wanted; the time may allow fewer
-    double limitMs = 120000;    // of the whole command: errors and the truth count too
-    double beforeMs = 0;        // of the limit, spent before the measurement began
-    double afterMs = 0;         // of the limit, kept for what follows the measurement
-    uint64_t seed = 0;          // of the order of rounds
+    double limitMs = 120000;    // limit of the whole command: errors and the truth count too
+    double beforeMs = 0;        // part of the limit spent before the measurement began
+    double afterMs = 0;         // part of the limit kept for later work
+    uint64_t seed = 0;          // seed of the order of rounds
     bool keepPictures = false;  // frames and errors by pixel, for the report
     std::function<RenderResult(const Scene&, const Setting&)> draw;
     std::function<void(double)> onProgress;  // 0..1; may throw
 };
 
 struct Times {
-    std::vector<double> ms;  // of each round, in the order in which they were taken
-    // None below kLeastForMedian: what lies between two times is not called their median.
+    std::vector<double> ms;  // one a round, in order
+    // Median; none below kLeastForMedian, because a value between two times is not called their median.
     std::optional<double> median() const;
     double min() const;
     double max() const;
 };
 
 enum class Told { faster, slower, notApart };
-// "faster", "slower", "not told apart": than the default.
+// Words "faster", "slower", "not told apart": than the default.
 const char* nameOf(Told);
 
-// A distinct way to draw; rows of several axes may share one (the default picture stands in every axis).
+// Run: a distinct way to draw. Rows of several axes may share one (the default picture stands in every axis).
 struct MeasuredRun {
     Setting setting;
     Times total;  // host time of a whole render, upload and readback included
     std::vector<std::pair<std::string, Times>> passes;
     std::optional<RatioInterval>
-        ratio;                   // of each round's time to the default's in the same round; none of fewer than kLeastForMedian rounds
+        ratio;                   // each round's time over the default's in the same round; none of fewer than kLeastForMedian rounds
     Told told = Told::notApart;  // what `ratio` says
     std::optional<FrameError>
         error;  // against the truth of the most samples; none for a wire frame, or where the limit left no time for that truth
     std::optional<FrameError> alike;   // against the truth at the picture's own samples
     std::optional<ErrorBound> bound;   // of `error`; none for the default picture itself. Below full scale, and `error` is within it
     std::string boundWhy;              // no bound, or none of some figures: why
-    std::optional<Rounding> rounding;  // what float32 costs by itself
+    std::optional<Rounding> rounding;  // error of float32 by itself
     std::vector<uint32_t> rgba;        // keepPictures
     std::vector<RenderCounters::RayCounts> rays;  // by depth; of a traced picture
-    std::string refused;  // what the renderer says who does not draw this scene so; then it is cut, and its rows are absent
+    std::string refused;  // sentence of a renderer that does not draw this scene so; then the run is cut, and its rows are absent
     bool cut = false;     // the limit left no time for it
-    std::string cutWhy;   // and what it would have needed
+    std::string cutWhy;   // time that it would have needed
     std::string bytes;    // SHA-256 of the picture
 };
 
@@ -89,10 +89,10 @@ struct Measurement {
     double totalMs = 0;
 };
 
-// Each choice is drawn once with planes for its error and once without to warm up (both must have the same bytes: Error(failed) otherwise). Then all are
-// timed in rounds, in an order that gives every run every other as its forerunner equally often (rounds.h). What the limit leaves no time for is cut and listed: first
-// what repeats the default's pixels and passes, then the axes by falling askedPlace(), the slowest of an axis first. An error beyond its proved bound fails: Error(failed), with
-// the row, the pixel and both numbers.
+// Measures all choices. Each is drawn once with planes for its error and once without to warm up (both must have the same bytes:
+// Error(failed) otherwise). Then all are timed in rounds, in an order in which every run follows every other equally often (rounds.h).
+// The limit cuts rows, which are listed: first those that repeat the default's pixels and passes, then the axes by falling askedPlace(),
+// the slowest of an axis first. An error beyond its proved bound fails: Error(failed), with the row, the pixel and both numbers.
 Measurement measure(const Scene& scene, const MeasurePlan& plan);
 
 }  // namespace plumb

@@ -7,7 +7,8 @@
 
 namespace plumb {
 
-// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators): the same numbers on every machine, which std::shuffle does not promise.
+// Random word by SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators): the same numbers on every machine, which
+// std::shuffle does not promise.
 uint64_t RoundOrder::random() {
     uint64_t z = state_ += 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -16,7 +17,7 @@ uint64_t RoundOrder::random() {
 }
 
 void RoundOrder::shuffle(std::vector<size_t>& values) {
-    // The remainder favours small places by less than count / 2^64.
+    // Shuffle. The remainder favours small indices by less than count / 2^64.
     for (size_t left = values.size(); left > 1; --left) std::swap(values[left - 1], values[random() % left]);
 }
 
@@ -26,7 +27,7 @@ void RoundOrder::begin(size_t count) {
     std::iota(names.begin(), names.end(), size_t(0));
     std::iota(rows.begin(), rows.end(), size_t(0));
     shuffle(names);
-    // First row: 0, 1, n-1, 2, n-2, ...: neighbours differ by each number once. Row r adds r to all.
+    // Zigzag of the first row: 0, 1, n-1, 2, n-2, ...: neighbours differ by each number once. Row r adds r to all.
     std::vector<size_t> zigzag;
     for (size_t i = 0; i < count; ++i) zigzag.push_back(i % 2 != 0 ? (i + 1) / 2 : (count - i / 2) % count);
     square_.clear();

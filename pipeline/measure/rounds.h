@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The order in which the runs of a round are drawn.
+// Order in which the runs of a round are drawn.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace plumb {
 
-// What is drawn first leaves its threads, caches and clock speed to what follows, so each run must follow every other equally often. Rounds come in Williams
-// squares: within one, each run follows each other exactly once (twice when their number is odd, since then no single square does it). Runs change places
-// with one another, and the square's rows too, anew for each square, from a seed.
+// Order of rounds. A run leaves its threads, caches and clock speed to the run after it, so each run must follow every other equally often.
+// Rounds come in Williams squares: within one, each run follows each other exactly once (twice when their number is odd, since then no
+// single square does it). Runs are permuted, and the square's rows too, anew for each square, from a seed.
 class RoundOrder {
 public:
     explicit RoundOrder(uint64_t seed) : state_(seed) {}
-    // The next round of `count` runs: each of 0 to count - 1 once. Another count begins another square.
+    // Next round of `count` runs: each of 0 to count - 1 once. Another count begins another square.
     std::vector<size_t> next(size_t count);
 
 private:

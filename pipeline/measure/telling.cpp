@@ -14,7 +14,8 @@ double missOf(size_t comparisons) {
 }
 
 uint32_t rankOf(uint32_t count, double miss) {
-    // P(exactly `k` of `count` tosses) by recurrence; 2^-count underflows for counts that no one repeats, and then the sum starts at 0, which is on the safe side of none.
+    // Probability P(exactly `k` of `count` tosses) by recurrence. 2^-count underflows for counts that no one repeats; the sum then starts
+    // at 0, which changes no decision in practice.
     double exactly = std::exp2(-double(count)), below = 0;
     uint32_t rank = 0;
     while (2 * (rank + 1) <= count + 1) {

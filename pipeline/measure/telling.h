@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What paired times can tell: each round gives one ratio of a run's time to the default's, and an interval of their median says whether noise explains it.
+// Telling paired times apart: each round gives one ratio of a run's time to the default's, and an interval of their median says whether
+// noise explains it.
 #pragma once
 
 #include <cstddef>
@@ -13,21 +14,22 @@ namespace plumb {
 inline constexpr double kConfidenceOfTable = 0.95;
 // Share of measurements in which one row's interval holds its median, at least.
 inline constexpr double kConfidenceOfRow = 0.99;
-// Fewer times have no median that one stall could not move.
+// Least number of times with a median that one stall cannot move.
 inline constexpr uint32_t kLeastForMedian = 3;
 
 // Chance that the interval of one of `comparisons` rows may miss: Bonferroni's share of the table's, and never above the row's own.
 double missOf(size_t comparisons);
 
-// Rank k of the order statistics that bound a median's interval: the largest k with 2 P(Binomial(count, 1/2) < k) <= miss. 0: even the least and the largest
-// of so few values miss more often, so no interval is bounded.
+// Rank k of the order statistics that bound a median's interval: the largest k with 2 P(Binomial(count, 1/2) < k) <= miss. 0: even the
+// least and the largest of so few values miss more often, so no interval is bounded.
 uint32_t rankOf(uint32_t count, double miss);
 
 // Least number of rounds that can tell anything apart.
 uint32_t roundsToTell(double miss);
 
-// The median of the rounds' ratios and its interval by order statistics (the sign test turned round). It supposes nothing of the distribution of the noise:
-// each round's ratio lies above or below the true median by the toss of a coin, so the count of those above is binomial for any number of rounds.
+// Median of the rounds' ratios and its interval by order statistics (the sign test inverted). It assumes nothing about the distribution of
+// the noise: each round's ratio lies above or below the true median by the toss of a coin, so the number above it is binomial for any
+// number of rounds.
 struct RatioInterval {
     double median = 1;
     double low = 1, high = 1;  // 0 and infinity where the rounds are too few
@@ -35,7 +37,7 @@ struct RatioInterval {
     bool holdsOne() const { return low <= 1 && 1 <= high; }
 };
 
-// None below kLeastForMedian ratios.
+// Interval of ratios; none below kLeastForMedian of them.
 std::optional<RatioInterval> intervalOf(std::vector<double> ratios, double miss);
 
 // Median of at least one value; an even count has the mean of its middle two.

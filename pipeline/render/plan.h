@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The steps that draw a picture, decided before anything runs, and what became of each. A step has one name, from the plan to the label of its
-// dispatches, its time and its JSON. Recorders refuse labels that are no step of the plan, and close() refuses a plan that was not walked.
+// Plan: the steps that draw a picture, decided before anything runs, and the outcome of each. A step has one name, from the plan to the
+// label of its dispatches, its time and its JSON. Recorders refuse labels that are no step of the plan, and close() refuses a plan that was
+// not walked.
 #pragma once
 
 #include "host/recorder.h"
@@ -14,9 +15,9 @@ enum class RunsOn { device, twin, host };  // the twin is the processor's form o
 const char* nameOf(RunsOn side);
 
 struct PlanStep {
-    std::string name;  // of the pass
+    std::string name;  // name of the pass
     RunsOn side = RunsOn::device;
-    std::string why;           // it is part of this picture
+    std::string why;           // reason why the step is part of this picture
     std::string fusedIn = {};  // the step whose kernel or function does this one's work too; empty: it runs by itself
     std::string idle = {};     // after drawing: why it had nothing to do; empty where it did something
     bool ran = false;          // after drawing
@@ -27,7 +28,7 @@ struct Plan {
         std::string what, why;
     };
     std::vector<PlanStep> steps;       // in order; their names differ
-    std::vector<Drop> dropped;         // what a picture of this kind has and this one does not need
+    std::vector<Drop> dropped;         // steps that a picture of this kind has and this one does not need
     std::vector<std::string> choices;  // e.g. "samples 4: the frame is drawn at 1280x960 and resolved"
 
     std::vector<std::string> names() const;
@@ -35,10 +36,10 @@ struct Plan {
     void add(PlanStep step);
     // Names of the steps that run by themselves on `side`: the labels that a recorder of this plan may use.
     std::vector<std::string> labels(RunsOn side) const;
-    // States that the step has nothing to do here. What is no step is not stated; a step that runs elsewhere in the same picture has run.
+    // States that a step has nothing to do here. A name that is no step is ignored; a step that runs elsewhere in the same picture has run.
     void skip(const std::string& name, const std::string& why);
-    // After drawing: marks what ran by the labels of `times`. Throws Error(failed), one sentence, where something ran that is no step of the plan,
-    // or a step neither ran nor stated that it had nothing to do.
+    // Closes the plan after drawing: marks the steps that ran by the labels of `times`. Throws Error(failed), one sentence, where something
+    // ran that is no step of the plan, or a step neither ran nor stated that it had nothing to do.
     void close(const std::vector<PassTime>& times);
 };
 

@@ -26,7 +26,7 @@ void eachTriangle(const Scene& scene, const Visit& visit) {
 
 }  // namespace
 
-// C. Ericson, Real-Time Collision Detection, 2005, 5.1.5.
+// Distance by C. Ericson, Real-Time Collision Detection, 2005, 5.1.5.
 double distanceToTriangle(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
     const dvec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
     const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp), d5 = glm::dot(ab, cp),
@@ -57,7 +57,8 @@ double LitPlaces::aside(const Corners& p) const {
 double LitPlaces::fromLamp(const dvec3& lamp, const Corners& p) const {
     const Extent e = extentOf(p);
     const double distance = distanceToTriangle(lamp, p[0], p[1], p[2]), lampReach = glm::length(lamp - camera_.eye);
-    // What lies `x` from the lamp is at most lampReach + x from the eye: x less what float32 makes of that is least at one of the two ends.
+    // Points at a distance `x` from the light are at most lampReach + x from the eye. x less the error of float32 there is least at one of
+    // the two ends.
     const double last = std::max(distance, e.reach - lampReach);
     const auto left = [&](double x) { return x - alongRay(e, std::min(e.reach, lampReach + x)); };
     return std::max(0.0, std::min(left(distance), left(last)) - shift(e));
@@ -99,7 +100,7 @@ std::vector<dvec3> mostLightOfMaterials(const Scene& scene, const RenderRequest&
                 for (int i = 0; i < 3; ++i) p[i] = dvec3(toWorld * glm::dvec4(dvec3(mesh.positions[t.vertex[size_t(i)]]), 1));
                 meet(mesh.faceMaterial[t.face], places.fromLamp(light.position, p));
             });
-            // Rays meet these, too; a bounded plane is part of the whole one.
+            // Spheres and planes are met by rays, too; a bounded plane is part of the whole one.
             for (const SphereShape& s : scene.spheres)
                 meet(s.material, std::abs(glm::length(s.centre - light.position) - s.radius) -
                                      std::ldexp(glm::length(s.centre - scene.camera->eye) + s.radius, -20));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What float32 costs by itself: the contracts read again in binary64, from the inputs that the passes had and with the decisions that they took (which
-// triangle is seen, where its snapped corners lie), against the colours that were drawn. It is no error: a choice that is far from the truth may
-// round little.
+// Rounding: the error of float32 by itself. The contracts are evaluated again in binary64, from the inputs of the passes and with their
+// decisions (the visible triangle, the snapped corners), and compared with the colours that were drawn. Rounding says nothing about the
+// error against the truth: a choice that is far from the truth may round little.
 #pragma once
 
 #include "pipeline/render/render.h"
@@ -12,15 +12,16 @@
 namespace plumb {
 
 struct Rounding {
-    // Steps of the sRGB code (1/255), before a colour becomes a byte, over the pixels that show something; a pixel counts by its largest channel.
+    // Rounding in steps of the sRGB code (1/255), before a colour becomes a byte, over the pixels that show something; a pixel counts by
+    // its largest channel.
     double max = 0, mean = 0, rms = 0, p99 = 0;
-    uint32_t x = 0, y = 0;  // where the largest is first met
+    uint32_t x = 0, y = 0;  // pixel at which the largest is first met
     double linearMax = 0;   // in linear light
     uint64_t pixels = 0;
 };
 
-// `frame` is what `request` drew, with kPlaneLinear. None for wire frames, rays, --fill notes, a distant viewer and shading once in 2 x 2 pixels, whose passes are not
-// read again.
+// Rounding of `frame`, which `request` drew with kPlaneLinear. None for wire frames, rays, --fill notes, a distant viewer and shading once
+// in 2 x 2 pixels, whose passes are not evaluated again.
 std::optional<Rounding> roundingOf(const Scene& scene, const RenderRequest& request, const Frame& frame);
 
 }  // namespace plumb

@@ -60,7 +60,7 @@ std::vector<FaceTriangles> facesOf(const TriangleMesh& mesh) {
 
 namespace {
 
-// A position by its bits: vertices that differ only in normal or material are one point.
+// Position by its bits: vertices that differ only in normal or material are one point.
 using Point = std::array<uint32_t, 3>;
 Point pointOf(const glm::vec3& p) { return {std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)}; }
 

@@ -77,8 +77,8 @@ public:
     uint32_t rowPixels() const { return rowQuads_ * 4; }  // row pitch of colours(), in samples or resolved pixels
     // Words of the band, or of all bands so far after keepBands(). Row pitch: rowPixels()
     std::span<const uint32_t> colourWords() const;
-    std::span<const uint32_t> plane(uint32_t slot) const;  // of the sample planes
-    std::span<const uint32_t> resolvedColours() const;     // row pitch: resolvedRowPixels()
+    std::span<const uint32_t> plane(uint32_t slot) const;              // of the sample planes
+    std::span<const uint32_t> resolvedColours() const;                 // row pitch: resolvedRowPixels()
     std::span<const uint32_t> resolvedLinear(uint32_t channel) const;  // float32
     uint32_t resolvedRowPixels() const { return resolvedQuads_ * 4; }
 

@@ -57,7 +57,7 @@ public:
     }
 
 private:
-    // No subnormal numbers reach the device.
+    // Value in float32; subnormal numbers are flushed, so that none reaches the device.
     static float rounded(double x) { return std::abs(x) < std::numeric_limits<float>::min() ? 0.0f : float(x); }
     static glm::vec3 rounded(const glm::dvec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
     template <class Part>
@@ -65,7 +65,7 @@ private:
         return placeOfPart(part.place, scene_.path, kind, part.name);
     }
 
-    // |c - eye|^2 - r^2, to 2^-99 of r^2: every difference and product with its rounding error.
+    // Power |c - eye|^2 - r^2 of the eye, to 2^-99 of r^2: every difference and product with its rounding error.
     double powerOf(const SphereShape& s) const {
         double high = 0, low = 0;
         const auto add = [&](double x) {
@@ -126,7 +126,7 @@ private:
         out_.planes.push_back(r);
     }
 
-    // Every object's triangles in world space, relative to the eye: composed in binary64, rounded once.
+    // Adds an object's triangles in world space, relative to the eye: composed in binary64, rounded once.
     void addObject(const Object& object) {
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         const glm::dmat4 toWorld = worldFromMesh(scene_, object);
@@ -216,7 +216,7 @@ TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, co
     return c;
 }
 
-// A lavapipe `for` runs its body once more than it has items.
+// Steps of a ray; lavapipe runs the body of a `for` once more than it has items.
 uint64_t stepsOfRay(const TraceScene& traced) {
     const uint64_t objects = traced.spheres.size() + 1 + traced.planes.size() + 1;
     return objects * (1 + traced.lights.size()) + traced.lights.size() + 2;
