@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Records dispatches, runs them, and shows that they ran. Between two dispatches stands a full compute
-// barrier (free on lavapipe). Every dispatch has a status slot: each workgroup that reached its end adds 1 to
-// `finished`, each invocation that stopped early (loop budget) sets a bit in `fault`; run() checks both, so a
-// truncated loop, a partial dispatch, a lost device or a dropped submission all throw.
+// Records dispatches, runs them, and shows that they ran. Between two dispatches stands a full compute barrier (free on lavapipe).
+// Every dispatch has a status slot. Each workgroup that reached its end adds 1 to `finished`; each invocation that stopped early (loop
+// budget) sets a bit in `fault`. run() checks both, so it throws for a truncated loop, a partial dispatch, a lost device or a dropped
+// submission.
 //
 // Every module declares   layout(binding = 0, scalar) buffer Status { StatusSlot status[]; };
 // and its push block begins with   uint statusSlot;   (shaders/shared/status.h). The recorder binds and fills both.

@@ -47,8 +47,8 @@ struct ErrorBound {
 };
 
 // Bound of the error of a choice's picture. `base`: the default picture, sRGB, of the truth's size. A choice leaves a code between those of
-// the darkest and the brightest colour that it may make of the default's, plus half a step of rounding to bytes and `steps`, and none
-// outside 0 to 255. Alpha is the default's own.
+// the darkest and the brightest colour that it may make of the default's. Half a step of rounding to bytes and `steps` are added at both
+// ends; no code is outside 0 to 255. Alpha is the default's own.
 ErrorBound errorBoundOf(const Frame& base, const Truth& truth, bool transparent, const ColourMoves& moves, double steps);
 
 struct BoundBreach {

@@ -50,7 +50,7 @@ uint32_t addFinished(Scene& scene, TriangleMesh mesh, const std::string& place) 
     return index;
 }
 
-// Finishes a mesh whose materials the scene has already. finishMesh() appends the materials of a mesh to the list it is given, so it is
+// Finishes a mesh whose materials the scene has already. finishMesh() appends the materials of a mesh to the list it is given. So it is
 // given a list of its own, `used`, and the scene's numbers are put back afterwards.
 uint32_t addMesh(Scene& scene, PolygonMesh mesh, const std::string& place, const LoadOptions& options) {
     PLUMB_ASSERT(mesh.materials.empty());

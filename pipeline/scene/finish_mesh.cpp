@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Polygons become triangles with normals. All arithmetic is binary64 + - * / and square root, which IEEE 754 rounds
-// correctly everywhere; no function of the C library decides a bit, so a file gives the same mesh on every machine.
+// Polygons become triangles with normals. All arithmetic is binary64 + - * / and square root, which IEEE 754 rounds correctly everywhere.
+// No function of the C library decides a bit, so a file gives the same mesh on every machine.
 //
 // Order is the file's: vertices and edges by first use, triangles by face. No result depends on the order of a hash.
 #include "pipeline/scene/input.h"
@@ -433,8 +433,8 @@ private:
             }
     }
 
-    // True when the normal is smooth across the edge: exactly two faces that agree on which side is out, and either the same smoothing
-    // group of the file, or (where a group is not stated) an angle below the crease angle.
+    // True when the normal is smooth across the edge. Exactly two faces must meet there and agree on which side is out. They must have the
+    // same smoothing group of the file or, where a group is not stated, an angle below the crease angle.
     bool isSmooth(const Edge& edge) const {
         if (edge.count != 2 || weldedAt(edge.smooth[0]) == weldedAt(edge.smooth[1])) return false;
         const uint32_t f = edge.smoothFace[0], g = edge.smoothFace[1];

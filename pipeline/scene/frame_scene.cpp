@@ -38,8 +38,8 @@ constexpr double kAzimuthDegrees = 30, kElevationDegrees = 20;
 // top, front and right side of a box get 0.37, 0.27 and 0.08: three distinct greys.
 constexpr glm::dvec3 kKeyDirection{-0.45, 0.85, 0.7}, kFillDirection{0.27, -0.51, 1.0};
 
-// Intensities (linear). With Ka = Kd = Ks = 1 and Ns >= 1 no normal that faces the eye gets more than 0.99, which
-// encodes to less than 255 (a unit test sweeps them); the default material's brightest point is 0.37, sRGB 163.
+// Intensities (linear). With Ka = Kd = Ks = 1 and Ns >= 1 no normal that faces the eye gets more than 0.99, which encodes to less than 255
+// (a unit test sweeps them). The default material's brightest point is 0.37, sRGB 163.
 constexpr float kKeyIntensity = 0.42f, kFillIntensity = 0.11f, kAmbientIntensity = 0.1f;
 
 struct Axes {
@@ -109,9 +109,9 @@ Camera frameCamera(const Scene& scene, double aspect, const std::string& view) {
     const double shorter = half.sine / half.cosine;
     camera.fovYDegrees = aspect >= 1 ? kFovShorterDegrees : glm::degrees(2 * std::atan(shorter / aspect));
 
-    // A point (x, y, z) in camera axes is inside the square of slope t about the axis of an eye at (ex, ey, ez) when
-    // |x - ex| <= t (z - ez) and |y - ey| <= t (z - ez). Each of the four is a bound on ex - t ez or ex + t ez, so the
-    // extremes below give the nearest eye for which all points are inside; the extent that decides is met on both sides.
+    // Eye for which all points are inside the square of slope t about its axis. For an eye at (ex, ey, ez) a point (x, y, z) in camera axes
+    // is inside when |x - ex| <= t (z - ez) and |y - ey| <= t (z - ez). Each of the four is a bound on ex - t ez or ex + t ez, so the
+    // extremes below give the nearest such eye. The extent that decides is met on both sides.
     const double t = kCoverShorter * shorter;
     constexpr double kFar = std::numeric_limits<double>::infinity();
     glm::dvec2 lowest(-kFar), highest(kFar);

@@ -38,10 +38,10 @@ PolygonMesh readOff(const std::filesystem::path&, const LoadOptions&);
 Scene readGltf(const std::filesystem::path&, const LoadOptions&);       // .gltf and .glb: whole scenes
 Scene readSceneToml(const std::filesystem::path&, const LoadOptions&);  // docs/scene-format.md
 
-// Finishes a mesh: triangulates (ear clipping for concave faces, fan for convex), builds missing normals per polygon corner with the crease
-// angle, makes (position, normal, material) vertices unique, lists edges once, flushes denormals, counts repairs. A mesh far from 0 first
-// gets an origin of its own, in binary64; everything else follows from the remaining coordinates (mesh_origin.h). Materials are appended to
-// `materials`; kNone becomes material `fallback`.
+// Finishes a mesh: triangulates (ear clipping for concave faces, fan for convex), and builds missing normals per polygon corner with the
+// crease angle. It makes (position, normal, material) vertices unique, lists edges once, flushes denormals and counts repairs. A mesh far
+// from 0 first gets an origin of its own, in binary64; everything else follows from the remaining coordinates (mesh_origin.h). Materials
+// are appended to `materials`; kNone becomes material `fallback`.
 TriangleMesh finishMesh(PolygonMesh, std::vector<Material>& materials, uint32_t fallback, const LoadOptions&);
 
 // Adds a mesh file that a scene names, by extension or else by content.

@@ -13,8 +13,8 @@
 
 namespace plumb {
 
-// Largest file that a reader accepts. Meshes address vertices by 32 bits, and a text vertex takes at least 8 bytes ("v 0 0 0\n"), so 4 GiB
-// keeps every count of a text file below 2^29; it also bounds what a sparse file can make us allocate.
+// Largest file that a reader accepts. Meshes address vertices by 32 bits, and a text vertex takes at least 8 bytes ("v 0 0 0\n"). So 4 GiB
+// keeps every count of a text file below 2^29. It also bounds what a sparse file can make us allocate.
 inline constexpr uint64_t kMaxFileBytes = uint64_t(4) << 30;
 
 // Largest coordinate or matrix entry: 2^100 (about 1.27e30). Products of three stay finite after the divisions of the
@@ -38,8 +38,8 @@ std::string placeOfPart(const std::string& place, const std::filesystem::path& f
 enum class Letters { asWritten, anyCase };
 size_t editDistance(std::string_view a, std::string_view b, Letters letters);
 
-// Bytes of a whole file. Refused: a missing or not regular file (folder, FIFO, device, socket; never opened in a way that blocks), more
-// than `maxBytes` (before anything is allocated), a file that shrinks while it is read.
+// Bytes of a whole file. Refused are: a missing or not regular file (folder, FIFO, device, socket; never opened in a way that blocks); more
+// than `maxBytes`, before anything is allocated; a file that shrinks while it is read.
 std::string readWholeFile(const std::filesystem::path&, uint64_t maxBytes = kMaxFileBytes);
 
 // Path of a reference written in file `from`, e.g. of a material library. Unless `allowOutside`, it must be relative, contain no "..", and

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Truth of the implicit sphere rendering (--fill notes, 16.5 of the notes), in binary64 and from the scene. Along +Z, a unit a pixel, (x,
-// y) is on a sphere where x^2 + y^2 <= r^2 from its centre; z = sqrt(r^2 - x^2 - y^2) toward the viewer; (x, y, z) is the normal. The
-// nearest sphere is seen, of equal depths the first. Neither centre nor radius nor z is rounded to whole numbers.
-// Whether a point is on a sphere and which of two is nearer is decided without rounding where the bound of binary64 leaves it open, so
-// there is no undecided case.
+// Truth of the implicit sphere rendering (--fill notes, 16.5 of the notes), in binary64 and from the scene. The projection is along +Z, a
+// unit a pixel. (x, y) from a sphere's centre is on the sphere where x^2 + y^2 <= r^2. There z = sqrt(r^2 - x^2 - y^2) toward the viewer,
+// and (x, y, z) is the normal. The nearest sphere is seen, of equal depths the first. Neither centre nor radius nor z is rounded to whole
+// numbers.
+// Two decisions are taken without rounding where the bound of binary64 leaves them open: whether a point is on a sphere, and which of two
+// is nearer. So there is no undecided case.
 #pragma once
 
 #include "pipeline/scene/scene.h"

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Contract of the cull and clip passes: which triangles are drawn, and as what.
-// A triangle is culled when all its vertices are outside one plane, when no pixel centre lies in its box, when its
-// integer area is zero (counted) or negative (it shows its back). With a vertex outside a plane it is clipped: plane by
-// plane, always computed from the inside vertex, so both owners of an edge compute the same bits and no crack opens.
+// A triangle is culled when all its vertices are outside one plane, when no pixel centre lies in its box, or by its integer area: zero
+// (counted), or negative (it shows its back).
+// A triangle with a vertex outside a plane is clipped, plane by plane. Each cut is computed from the inside vertex, so both owners of an
+// edge compute the same bits and no crack opens.
 #ifndef PLUMB_CULL_H
 #define PLUMB_CULL_H
 #include "transform.h"

@@ -27,7 +27,7 @@ SHARED_FN float roundedToEven(uint sign, uint exponentField, uint significandWit
 }
 
 // Quotient a / b, correctly rounded. `seedErrorUlp` is 0 but in tests. There it moves the seed by -7 to 4 bit patterns, to show that the
-// result does not depend on the seed (a step past a power of two is two ULP of the result below it).
+// result does not depend on the seed. (A step past a power of two is two ULP of the result below it.)
 SHARED_FN float emulatedDivide(float a, float b, int seedErrorUlp) {
     uint aBits = ubitsOf(a);
     uint bBits = ubitsOf(b);

@@ -104,10 +104,12 @@ SHARED_FN int lineDepthAt(LineDepth d, LineWalk w, int k) { return bitsOf(d.star
 // Face of a pixel of the filled picture where nothing is drawn. The picture has bits of z (0: nothing) and the face a pixel.
 SHARED_CONST uint kNoFace = 0xffffffffu;
 
-// True when a pixel of an edge shows although hidden lines are removed. One of three holds: the edge's own polygon is seen there; or it is
-// seen at a neighbour across the line (the pixel before or after it along the minor axis); or the line is not behind what is seen there.
-// The line runs between the centres of the neighbours, and its polygon may begin beyond it. No tolerance in depth is needed: where the edge
-// lies in the seen surface, that surface is the edge's own.
+// True when a pixel of an edge shows although hidden lines are removed. One of three holds:
+// - the edge's own polygon is seen there;
+// - it is seen at a neighbour across the line, the pixel before or after along the minor axis: the line runs between their centres, and its
+// polygon may begin beyond it;
+// - the line is not behind what is seen there.
+// No tolerance in depth is needed: where the edge lies in the seen surface, that surface is the edge's own.
 SHARED_FN bool lineShows(int lineZ, uint edgeFace, uvec2 here, uvec2 before, uvec2 after) {
     return here.y == edgeFace || before.y == edgeFace || after.y == edgeFace || lineZ >= int(here.x);
 }

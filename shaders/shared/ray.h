@@ -20,7 +20,7 @@ SHARED_FN vec3 unitLength(vec3 v) {
 }
 
 // Origin of a ray that leaves a surface at p, on the side of n. p lies within sum |n_i| error_i of the surface, measured along n. The shift
-// is twice that sum. It also covers its own roundings (5 u of the sum) and that of p + shift, at most u (|p_i| + shift) a coordinate, since
+// is twice that sum. It also covers its own roundings (5 u of the sum) and those of p + shift, at most u (|p_i| + shift) a coordinate.
 // error_i is at least 4 u |p_i| for every kind of surface.
 SHARED_FN vec3 leaveSurface(vec3 p, vec3 n, vec3 error) {
     float shift = 2.0f * dot3(magnitudes(n), error);

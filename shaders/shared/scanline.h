@@ -4,11 +4,12 @@
 // pass its right end.
 //
 // Corners are display coordinates rounded to whole pixels. A polygon's edges stand in its table with the smaller y first, without
-// horizontal ones, sorted by y. Two edges are active; each line adds the edges' dX, left and right are decided anew on every line,
-// and an edge that ends is replaced by the next of the table, which starts one step below its corner, because the corner's line is
-// painted already (A4, A5). Across a line X runs leftX, leftX + 1, ... <= rightX and paints column floor(X + 1/2) of colour and depth
-// alike (A8). A pixel is taken when its Z is less than the stored one: the smaller Z is nearer, equal Z keeps the first polygon.
-// Without a Z-buffer (section 13) every pixel is taken, by one polygon after the other.
+// horizontal ones, sorted by y.
+// Two edges are active. Each line adds the edges' dX, and left and right are decided anew on every line. An edge that ends is replaced by
+// the next of the table, which starts one step below its corner, because the corner's line is painted already (A4, A5).
+// Across a line X runs leftX, leftX + 1, ... <= rightX and paints column floor(X + 1/2) of colour and depth alike (A8). A pixel is taken
+// when its Z is less than the stored one: the smaller Z is nearer, equal Z keeps the first polygon. Without a Z-buffer (section 13) every
+// pixel is taken, by one polygon after the other.
 //
 // X is exact: an edge's X is a whole column and a rest over the edge's height, so columns of a line are whole numbers and no sum of
 // rounded steps decides them. Z and attributes are counted in whole lines and columns from the farther end and rounded once (scanAlong).

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Contract of the spheres pass: the implicit sphere rendering of the lecture notes (section 16.5).
 //
-// No mesh and no ray: a sphere is seen in parallel projection by a viewer who looks along +Z, one unit a pixel. About the pixel of its centre, x to the
-// right and y up, the pixels with x^2 + y^2 <= r^2 are its picture; z = sqrt(r^2 - x^2 - y^2) toward the viewer makes (x, y, z) its normal, and each
-// of these pixels is illuminated (shade.h) with the view vector (0, 0, -1). The notes' program rounds z to a whole number first, their text
-// does not (erratum B23): push.wholeHeights says which. What the notes leave open: of several spheres over a pixel the nearer one is
-// seen, of equal depths the first.
+// No mesh and no ray: a sphere is seen in parallel projection by a viewer who looks along +Z, one unit a pixel. Let x, y be the distance
+// from the pixel of its centre, x to the right and y up. The pixels with x^2 + y^2 <= r^2 are the sphere's picture. z = sqrt(r^2 - x^2 -
+// y^2) toward the viewer makes (x, y, z) its normal. Each pixel is illuminated (shade.h) with the view vector (0, 0, -1).
+// The notes' program rounds z to a whole number first, their text does not (erratum B23): push.wholeHeights says which. The notes leave
+// open which of several spheres over a pixel is seen: here the nearer one, of equal depths the first.
 #ifndef PLUMB_SPHERES_H
 #define PLUMB_SPHERES_H
 #include "exact.h"

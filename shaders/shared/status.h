@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Proof of work of a dispatch. A slot is zeroed by the recorder; every workgroup that reaches its end adds 1 to
-// `finished`; an invocation whose loop stopped before its end sets a bit in `fault` (lavapipe ends loops in silence
-// after 65,535 iterations). The recorder compares with the number of workgroups it asked for.
+// Proof of work of a dispatch. The recorder zeroes a slot. Every workgroup that reaches its end adds 1 to `finished`. An invocation whose
+// loop stopped before its end sets a bit in `fault` (lavapipe ends loops in silence after 65,535 iterations). The recorder compares
+// `finished` with the number of workgroups it asked for.
 #ifndef PLUMB_STATUS_H
 #define PLUMB_STATUS_H
 #include "bridge.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Proved bounds of how far choices may move a colour, from the bounds of the functions (shaders/shared/), the scene's lights and materials,
-// the distance of its lights and the angles between its normals. A given picture says only which face a pixel shows, never a colour.
+// Proved bounds of how far choices may move a colour. They follow from the bounds of the functions (shaders/shared/), the scene's lights
+// and materials, the distance of its lights and the angles between its normals. A given picture says only which face a pixel shows, never a
+// colour.
 #pragma once
 
 #include "pipeline/render/render.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Rounding: the error of float32 by itself. The contracts are evaluated again in binary64, from the inputs of the passes and with their
-// decisions (the visible triangle, the snapped corners), and compared with the colours that were drawn. Rounding says nothing about the
-// error against the truth: a choice that is far from the truth may round little.
+// decisions (the visible triangle, the snapped corners). The result is compared with the colours that were drawn. Rounding says nothing
+// about the error against the truth: a choice that is far from the truth may round little.
 #pragma once
 
 #include "pipeline/render/render.h"
