@@ -115,7 +115,7 @@ TraceRow rowOf(const std::string& name, const std::string& theirs, const TraceBe
     return row;
 }
 
-void countWork(TraceRow& row, ResidentTrace& ours) {
+void countWork(TraceRow& row, ResidentPicture& ours) {
     for (const auto& r : ours.counters().rays) {
         row.rays += r.primary + r.reflected + r.refracted;
         row.feelers += r.feelers;
@@ -127,7 +127,7 @@ void countWork(TraceRow& row, ResidentTrace& ours) {
     row.longestDispatchMs = ms / std::max(1u, dispatches);
 }
 
-void drawOrThrow(ResidentTrace& ours) {
+void drawOrThrow(ResidentPicture& ours) {
     if (!ours.draw()) throw renderError("the device's buffers do not hold the picture in one band; take a smaller --size");
 }
 
@@ -140,19 +140,20 @@ TraceRow benchSpheres(Device& device, uint32_t count, const TraceBenchOptions& o
     const Prepared prepared = prepare(scene, request);
     const TraceScene traced = traceSceneOf(scene, prepared);
     const gpu::TracePush push = tracePushOf(prepared, request, traced);
-    ResidentTrace ours(device, scene, request);
+    const std::unique_ptr<ResidentPicture> ours = residentTrace(device, prepared, scene, request);
     std::vector<uint32_t> theirs(size_t(options.width) * options.height);
     measurePairs(
-        row, options, [&] { drawOrThrow(ours); }, [&] { peers::traceNative(push, traced, options.height, theirs, threads); });
+        row, options, [&] { drawOrThrow(*ours); }, [&] { peers::traceNative(push, traced, options.height, theirs, threads); });
+    const ResidentScene::Picture shown = ours->pixels();
     for (uint32_t y = 0; y < options.height; ++y)
         for (uint32_t x = 0; x < options.width; ++x) {
-            const uint32_t a = ours.colours()[size_t(y) * ours.pitch() + x], b = theirs[size_t(y) * options.width + x];
+            const uint32_t a = shown.pixels[size_t(y) * shown.pitch + x], b = theirs[size_t(y) * options.width + x];
             bool far = false;
             for (int shift = 0; shift < 32; shift += 8) far |= std::abs(int(a >> shift & 255) - int(b >> shift & 255)) > 4;
             row.differ += far;
         }
     judge(row);
-    countWork(row, ours);
+    countWork(row, *ours);
     return row;
 }
 
@@ -171,7 +172,7 @@ std::vector<TraceRow> benchMesh(Device& device, const std::string& name, const T
     const Prepared prepared = prepare(scene, request);
     const TraceScene traced = traceSceneOf(scene, prepared);
     const gpu::TracePush push = tracePushOf(prepared, request, traced);
-    ResidentTrace ours(device, scene, request);
+    const std::unique_ptr<ResidentPicture> ours = residentTrace(device, prepared, scene, request);
     RenderRequest ids = request;
     ids.planes = kPlaneColour | kPlanePrimitive;
     const Frame seen = renderGpu(device, scene, ids).frame;
@@ -183,11 +184,11 @@ std::vector<TraceRow> benchMesh(Device& device, const std::string& name, const T
         const peers::EmbreeScene embree(traced, robust);
         std::vector<uint32_t> theirs(size_t(options.width) * options.height);
         measurePairs(
-            row, options, [&] { drawOrThrow(ours); }, [&] { embree.primaryRays(push, options.height, theirs, threads); });
+            row, options, [&] { drawOrThrow(*ours); }, [&] { embree.primaryRays(push, options.height, theirs, threads); });
         // Numbers of triangles are those of faces, because the mesh has one face a triangle.
         for (size_t i = 0; i < theirs.size(); ++i) row.differ += (theirs[i] == gpu::kNoObject ? kNone : theirs[i]) != seen.primitive[i];
         judge(row);
-        countWork(row, ours);
+        countWork(row, *ours);
         rows.push_back(row);
     }
     return rows;

@@ -11,6 +11,7 @@
 #include "pipeline/image/image.h"
 #include "pipeline/measure/measure.h"
 #include "pipeline/render/bounds/vertex_error.h"
+#include "pipeline/render/technique.h"
 #include "pipeline/report/report.h"
 #include "pipeline/scene/text.h"
 
@@ -386,6 +387,7 @@ Exit measureCommand(const Options& options) {
     plan.base.request = requestOf(options, scene, size);
     if (plan.base.request.shading == Shading::wire)
         throw usageError("--shading: wire has no truth to be measured against; it is a row of the axis 'shading'");
+    refuse(scene, plan.base.request);
     for (const VertexError& error : vertexErrors(scene, plan.base.request)) {
         scene.warnings.push_back(sentenceOf(scene, error));
         say(options, fmt::format("plumb: warning: {}", scene.warnings.back()));

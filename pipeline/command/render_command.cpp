@@ -13,6 +13,7 @@
 #include "pipeline/image/image.h"
 #include "pipeline/measure/axes.h"
 #include "pipeline/render/bounds/vertex_error.h"
+#include "pipeline/render/technique.h"
 #include "pipeline/scene/text.h"
 
 #include <fmt/format.h>
@@ -189,18 +190,17 @@ Exit renderCommand(const Options& options) {
     for (const std::string& warning : scene.warnings) say(options, fmt::format("plumb: warning: {}", warning));
 
     RenderRequest request = requestOf(options, scene, size);
+    scene.camera = views[0].camera;
+    scene.lights = views[0].lights;
+    refuse(scene, request);
     if (const std::string asked = leftToRays(scene, request); !asked.empty()) {
         if (options.strict)
             throw inputError(printable(scene.path),
                              fmt::format("{}; only --shading ray draws that, and --strict refuses to leave it out", asked));
-        // Spheres and planes that nothing would draw are refused, in a line of their own.
-        if (!onlyRaysDraw(scene) || drawsSpheres(scene, request))
-            say(options, fmt::format("plumb: not drawn: reflection and refraction: {}; only --shading ray traces them", asked));
+        say(options, fmt::format("plumb: not drawn: reflection and refraction: {}; only --shading ray traces them", asked));
     }
-    if (options.stereo != StereoForm::none && drawsSpheres(scene, request))
+    if (options.stereo != StereoForm::none && techniqueOf(scene, request).parallel)
         throw usageError("--stereo: --fill notes draws spheres in parallel projection, which shows both eyes the same");
-    scene.camera = views[0].camera;
-    scene.lights = views[0].lights;
     // Warnings of moved vertices: in the JSON of each view, on standard error once an object.
     std::set<uint32_t> toldMoved;
     const auto tellMoved = [&](Json& sceneReport) {

@@ -54,10 +54,13 @@ void rayChoices(const Options& options, const Scene& scene, RenderRequest& reque
         {"--sampling", options.sampling.has_value()},
         {"--jitter", options.jitterReflect || options.jitterRefract || options.jitterShadow},
         {"--seed", options.seed && options.command != kMeasure},  // there it turns the order of rounds as well
-        {"--levels", options.cutLevels.has_value()}};
+        {"--levels", options.cutLevels.has_value()},
+        {"--max-depth", options.maxDepth.has_value()},
+        {"--min-weight", options.minWeight.has_value()}};
+    const bool traced = request.shading == Shading::ray;
     for (const auto& [flag, given] : flags)
-        if (given && request.shading != Shading::ray) throw usageError(fmt::format("{} goes with --shading ray", flag));
-    if (request.shading != Shading::ray) return;
+        if (given && !traced) throw usageError(fmt::format("{} goes with --shading ray", flag));
+    if (!traced) return;
     RayChoices& rays = request.rays;
     RenderRequest::StatedBy& by = request.statedBy;
     rays.sampling = stated(options.sampling, scene.sampling, Sampling::grid, "--sampling", by.sampling);
@@ -109,15 +112,9 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     if (request.shading != Shading::wire && (options.wire || options.wirePerPolygon))
         throw usageError("--wire and --edges go with --shading wire");
     request.distantViewer = options.distantViewer.value_or(scene.distantViewer.value_or(false));
-    if (request.shading == Shading::ray && request.distantViewer)
-        throw usageError("--viewer distant is a simplification of the raster shadings; a ray comes from the eye that it is traced from");
     request.maxDepth = options.maxDepth.value_or(scene.maxDepth);
     request.minWeight = float(options.minWeight.value_or(scene.minWeight));
-    if (request.shading != Shading::ray && options.maxDepth) throw usageError("--max-depth goes with --shading ray");
-    if (request.shading != Shading::ray && options.minWeight) throw usageError("--min-weight goes with --shading ray");
     rayChoices(options, scene, request);
-    if (request.shading == Shading::ray && request.fill == Fill::notes)
-        throw usageError("--fill notes is a fill of the raster shadings; --shading ray has none");
     request.encoding = options.encoding.value_or(scene.encoding.value_or(Encoding::srgb));
     request.samples = options.samples;
     request.background = scene.background.value_or(glm::vec3(0));
@@ -129,13 +126,6 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     Setting setting{request, false};
     for (const auto& [axis, choice] : options.trade) apply(setting, axis, choice);
     request.trade = setting.request.trade;
-    if (request.shading == Shading::ray && request.trade != Trade{})
-        throw usageError("--trade is about the raster shadings; --shading ray has none of these choices");
-    if (request.fill == Fill::notes) {
-        Trade other = request.trade;
-        other.specular = Trade().specular;
-        if (other != Trade{}) throw usageError("--trade: --fill notes has the axis specular; the others are of --fill exact");
-    }
     request.threads = options.threads;
     request.chunkTriangles = options.limitChunk;
     request.bandRows = options.limitBand;

@@ -25,7 +25,8 @@ struct Prepared {
     RenderCounters counters;  // objects, vertices, triangles
 };
 
-// Throws Error(input) for what no pass can draw (a frame or a scene beyond the stated limits). Only the plan's steps depend on the side.
+// By the way to draw that draws the request (technique.h). Throws Error(usage) for what it does not have, Error(input) for what no pass can draw (a
+// scene beyond the stated limits). Only the plan's steps depend on the side.
 Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side = RunsOn::device);
 
 }  // namespace plumb

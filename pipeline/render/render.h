@@ -103,10 +103,7 @@ struct RenderResult {
     double totalMs = 0;           // host time of the whole render, upload and readback included
 };
 
-// Spheres that --fill notes draws, as the notes' implicit sphere rendering.
-bool drawsSpheres(const Scene&, const RenderRequest&);
-
-// What a scene has that no raster pass of triangles draws.
+// What a scene has that no raster pass of triangles draws: spheres and planes.
 bool onlyRaysDraw(const Scene&);
 // Why a scene is to be traced: what it has, or what a material of an object asks for. Empty: nothing asks.
 std::string raysAskedBy(const Scene&);

@@ -309,7 +309,7 @@ TEST_F(Far, AMeshTooLargeForItsDetailIsTold) {
 // Positions of the object's vertices in pixels; clipped vertices count as off the screen.
 std::vector<glm::dvec2> placesOf(const Scene& scene, const RenderRequest& request) {
     const Prepared p = prepare(scene, request);
-    const TwinGeometry g = twinGeometry(p.list, p.choices, false, 1, nullptr);
+    const TwinGeometry g = twinGeometry(p.list, p.choices, false, 1);
     std::vector<glm::dvec2> places;
     for (size_t v = 0; v < p.list.positions.size(); ++v)
         places.push_back(g.screen[v].outcode == 0 ? glm::dvec2(g.screen[v].x, g.screen[v].y) / 256.0 : glm::dvec2(1e30));

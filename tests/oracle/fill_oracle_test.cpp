@@ -119,7 +119,7 @@ struct Picture {
     std::vector<Drawn> drawn;
 
     Picture(Scene s, const RenderRequest& r) : scene(std::move(s)), request(r), prepared(prepare(scene, r)) {
-        geometry = twinGeometry(prepared.list, prepared.choices, false, 0, nullptr);
+        geometry = twinGeometry(prepared.list, prepared.choices, false, 0);
         frame = renderCpu(scene, request).frame;
         drawn = drawnTriangles(prepared.list, geometry);
     }

@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(
 // Whoever owns a pixel is in its tile's list: the exact coverage of the fill against the bin's own rule.
 TEST_P(BinTwin, MissesNoOwner) {
     const Prepared p = prepare(GetParam().scene(), requestOf(GetParam()));
-    const TwinGeometry g = twinGeometry(p.list, p.choices, false, 1, nullptr);
+    const TwinGeometry g = twinGeometry(p.list, p.choices, false, 1);
     gpu::BinPush push{};
     push.tilesX = (GetParam().width + 15) / 16;
     push.tilesY = (GetParam().height + 7) / 8;

@@ -65,7 +65,7 @@ TEST(CullRows, ReachEveryClass) {
         Scene scene = c.scene();
         scene.cullBackFaces = true;
         const Prepared p = prepare(scene, requestOf(c));
-        const TwinGeometry g = twinGeometry(p.list, p.choices, false, 1, nullptr);
+        const TwinGeometry g = twinGeometry(p.list, p.choices, false, 1);
         for (const gpu::CullRecord& r : g.records) {
             all.drawn |= r.drawn;
             all.clip |= r.clip;

@@ -241,7 +241,7 @@ TEST_F(FillVariant, GivesTiesToTheLowerTriangle) {
 TEST_F(FillVariant, SharedEdgesLoseNoPixelAndShareNone) {
     const SceneCase row{"throughCentres", throughCentres, 131, 67};
     const Prepared p = prepare(row.scene(), requestOf(row));
-    const TwinGeometry g = twinGeometry(p.list, p.choices, false, 1, nullptr);
+    const TwinGeometry g = twinGeometry(p.list, p.choices, false, 1);
     const size_t pixels = size_t(row.width) * row.height;
     // Coverage of each triangle alone adds up to the coverage of its fan.
     std::vector<uint32_t> times(pixels), fan(pixels);

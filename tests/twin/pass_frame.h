@@ -2,8 +2,7 @@
 // A scene prepared for both sides: the twin's geometry, and a device frame that reads exactly that.
 #pragma once
 
-#include "pipeline/render/raster/gpu_frame.h"
-#include "pipeline/render/raster/twin_frame.h"
+#include "pipeline/render/raster/hand_over.h"
 #include "tests/support/compare.h"
 #include "tests/support/device_fixture.h"
 #include "tests/support/scenes.h"
@@ -48,25 +47,19 @@ struct PassFrame {
     GpuFrame frame;
 
     PassFrame(Device& device, const Scene& scene, const RenderRequest& request)
-        : p(prepare(scene, request)), twin(twinGeometry(p.list, p.choices, false, 1, nullptr)), frame(device, p, kWatchdogMs) {}
+        : p(prepare(scene, request)), twin(twinGeometry(p.list, p.choices, false, 1)), frame(device, p, kWatchdogMs) {}
 
     // Device geometry up to and with clip, each step on the twin's input.
     void setup() {
         frame.upload(p.list);
         frame.transformAndCull(false);
-        const size_t vertices = p.list.positions.size();
-        std::copy_n(twin.screen.begin(), vertices, frame.screen().begin());
-        std::copy_n(twin.carried.begin(), vertices, frame.carried().begin());
-        std::copy(twin.faceColours.begin(), twin.faceColours.end(), frame.faceColours().begin());
-        std::copy(twin.records.begin(), twin.records.end(), frame.records().begin());
+        handOverCulled(twin, p.list, frame);
         frame.setup();
     }
     // The device reads the twin's draw list and clipped corners too.
     void takeTwin() {
         setup();
-        std::copy(twin.screen.begin(), twin.screen.end(), frame.screen().begin());
-        std::copy(twin.carried.begin(), twin.carried.end(), frame.carried().begin());
-        std::copy(twin.draws.begin(), twin.draws.end(), frame.draws().begin());
+        handOverSetUp(twin, frame);
     }
     gpu::FrameBox band(int firstRow, int rows) const {
         gpu::FrameBox b = p.list.frame;

@@ -3,6 +3,7 @@
 
 #include "pipeline/render/bounds/bound_light.h"
 #include "pipeline/render/prepare.h"
+#include "pipeline/render/technique.h"
 #include "shaders/shared/shade.h"
 #include "shaders/shared/transform.h"
 
@@ -319,7 +320,7 @@ ColourBound boundOfNative(const Scene& scene, const RenderRequest& request, cons
     ColourBound bound;
     if (request.trade.nativeEncode && request.encoding == Encoding::srgb) bound.steps = 1;
     if (request.trade.specular != Trade::Specular::native || !isLit(request)) return bound;
-    if (drawsSpheres(scene, request)) {
+    if (techniqueOf(scene, request).parallel) {
         takeSpheres(scene, bound);
         return bound;
     }
@@ -331,7 +332,8 @@ ColourBound boundOfNative(const Scene& scene, const RenderRequest& request, cons
 
 ColourBound boundOfTrade(const Scene& scene, const RenderRequest& request, const Frame* shown) {
     const Trade& t = request.trade;
-    if (request.shading == Shading::ray || request.fill == Fill::notes)
+    const Technique::Vertices vertices = techniqueOf(scene, request).vertices;
+    if (vertices == Technique::Vertices::none || vertices == Technique::Vertices::host)
         return notProved("only the raster shadings of --fill exact have bounds of their choices");
     if (t.vectors != Trade::Vectors::pixel)
         return notProved("a direction that is not the pixel's own may turn N.L's sign, and with it a highlight comes or goes at once");

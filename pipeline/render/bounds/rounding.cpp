@@ -4,6 +4,7 @@
 #include "host/error.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/render/raster/twin_frame.h"
+#include "pipeline/render/technique.h"
 #include "pipeline/scene/plain_floats.h"
 
 #include <algorithm>
@@ -84,7 +85,7 @@ double alongLongRow(const gpu::LongRow& row, const glm::vec4& p) {
 class Reread {
 public:
     Reread(const Scene& scene, const RenderRequest& request)
-        : p_(prepare(scene, request)), g_(twinGeometry(p_.list, p_.choices, false, threadCount(request.threads), nullptr)) {
+        : p_(prepare(scene, request)), g_(twinGeometry(p_.list, p_.choices, false, threadCount(request.threads))) {
         const DrawList& list = p_.list;
         const bool gouraud = p_.choices.shading == gpu::kShadingGouraud;
         z_.resize(g_.screen.size());
@@ -229,8 +230,7 @@ private:
 
 std::optional<Rounding> roundingOf(const Scene& scene, const RenderRequest& request, const Frame& frame) {
     const PlainFloats plain;
-    if (request.shading == Shading::wire || request.shading == Shading::ray || request.fill == Fill::notes || request.distantViewer)
-        return {};
+    if (techniqueOf(scene, request).vertices != Technique::Vertices::transformPass || request.distantViewer) return {};
     const Reread again(scene, request);
     const Prepared& p = again.prepared();
     if (p.choices.coarse) return {};

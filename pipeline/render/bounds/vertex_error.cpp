@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/bounds/vertex_error.h"
 
+#include "pipeline/render/technique.h"
 #include "pipeline/scene/camera.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/text.h"
@@ -244,22 +245,26 @@ private:
     Row rowX_, rowY_, rowW_;
 };
 
-bool hasTransform(const RenderRequest& request) {
-    return request.fill == Fill::exact && request.shading != Shading::ray && request.shading != Shading::wire;
-}
-
-Arithmetic arithmeticOf(const RenderRequest& request) {
-    if (request.shading == Shading::ray) return Arithmetic::ray;
-    if (request.shading == Shading::wire) return Arithmetic::fp32;
-    if (request.fill == Fill::notes) return Arithmetic::host;
+Arithmetic arithmeticOf(const Technique& technique, const RenderRequest& request) {
+    switch (technique.vertices) {
+        case Technique::Vertices::none:
+            return Arithmetic::ray;
+        case Technique::Vertices::linesPass:
+            return Arithmetic::fp32;
+        case Technique::Vertices::host:
+            return Arithmetic::host;
+        case Technique::Vertices::transformPass:
+            break;
+    }
     return request.trade.numbers == Numbers::fp64           ? Arithmetic::fp64
            : request.trade.numbers == Numbers::blockInteger ? Arithmetic::blockInteger
                                                             : Arithmetic::fp32;
 }
 
 VertexError errorOf(const Scene& scene, const RenderRequest& request, uint32_t object, double enough) {
-    VertexError e{object, Bound(scene, request, object, arithmeticOf(request)).most(enough), 0};
-    e.inBinary64 = e.pixels > enough && hasTransform(request)
+    const Technique& technique = techniqueOf(scene, request);
+    VertexError e{object, Bound(scene, request, object, arithmeticOf(technique, request)).most(enough), 0};
+    e.inBinary64 = e.pixels > enough && technique.vertices == Technique::Vertices::transformPass
                        ? std::min(e.pixels, Bound(scene, request, object, Arithmetic::fp64).most(enough))
                        : e.pixels;
     return e;

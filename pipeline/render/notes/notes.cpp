@@ -4,7 +4,9 @@
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/render/notes/polygons.h"
+#include "pipeline/render/plan_steps.h"
 #include "pipeline/render/planes.h"
+#include "pipeline/render/preparing.h"
 #include "pipeline/render/stopwatch.h"
 #include "pipeline/scene/camera.h"
 #include "pipeline/scene/flattened.h"
@@ -17,7 +19,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <optional>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -71,8 +73,9 @@ bool isConvex(std::span<const gpu::ScanCorner> polygon) {
 
 class NotesFrame {
 public:
-    NotesFrame(const Scene& scene, const Prepared& prepared, const RenderRequest& request, Side& side, RenderResult& result)
-        : scene_(scene), p_(prepared), request_(request), side_(side), result_(result) {
+    NotesFrame(const Scene& scene, const Prepared& prepared, const RenderRequest& request, Side& side, PlaneWriter& writer,
+               RenderResult& result)
+        : scene_(scene), p_(prepared), request_(request), side_(side), writer_(writer), result_(result) {
         const Camera& c = *scene.camera;
         right_ = c.right;
         down_ = -c.up;
@@ -388,16 +391,15 @@ private:
     // `normals`: of the covered samples, in their order; empty where none are asked for.
     void write(const ScanCanvas& canvas, const std::vector<uint32_t>& covered, const std::vector<float>& linear,
                const std::vector<glm::vec3>& normals) {
-        PlaneWriter writer(p_, request_, result_.frame);
         std::vector<int> drawn(canvas.owner.size(), 0);  // covered samples, counted from 1
         for (size_t k = 0; k < covered.size(); ++k) drawn[covered[k]] = int(k + 1);
         const SampleLayout layout{uint32_t(list_.width), p_.side, p_.side, p_.side / 2};
         {
             const Stopwatch watch(&result_.times, p_.side > 1 ? "resolve" : "encode");
-            writer.takeColours(0, p_.height, {layout, linear, drawn}, threadCount(request_.threads));
+            writer_.takeColours(0, p_.height, {layout, linear, drawn}, threadCount(request_.threads));
         }
-        writer.takeCoverage<int>(p_.height, layout, drawn);
-        writer.takeSeen<int>(0, p_.height, layout, drawn, [&](uint32_t, uint32_t, size_t sample) {
+        writer_.takeCoverage<int>(p_.height, layout, drawn);
+        writer_.takeSeen<int>(0, p_.height, layout, drawn, [&](uint32_t, uint32_t, size_t sample) {
             return Seen(*this, canvas, sample, normals.empty() ? glm::vec3(0) : normals[size_t(drawn[sample] - 1)]);
         });
         result_.counters.bands = result_.counters.chunks = 1;
@@ -407,6 +409,7 @@ private:
     const Prepared& p_;
     const RenderRequest& request_;
     Side& side_;
+    PlaneWriter& writer_;
     RenderResult& result_;
     dvec3 right_, down_, forward_, eye_;
     double focal_ = 0, distance_ = 0, near_ = 0, unit_ = 1;
@@ -517,17 +520,74 @@ private:
 
 }  // namespace
 
-void drawNotesCpu(const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result) {
-    TwinSide side(prepared, request, result);
-    NotesFrame(scene, prepared, request, side, result).draw();
+namespace {
+
+void refusePolygons(const Scene& scene, const RenderRequest& request) {
+    refuseOtherTrade(request);
+    refuseShapes(scene);
 }
 
-void drawNotesGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result) {
-    DeviceSide side(device, prepared, request);
-    NotesFrame(scene, prepared, request, side, result).draw();
-    const std::vector<PassTime> times = side.recorder().takeTimes();
-    result.times.insert(result.times.end(), times.begin(), times.end());
-    for (const auto& [step, why] : side.recorder().takeSkipped()) result.plan.skip(step, why);
+Prepared preparePolygons(const Scene& scene, const RenderRequest& request, RunsOn side) {
+    Preparing it(scene, request, shadingOf(request));
+    it.dropRays(raysAskedBy(scene));
+    it.list.addObjects();
+    it.addLights();
+    it.leaveOut();
+    const bool atPixels = it.p.choices.shading == gpu::kShadingPhong;
+    StepList steps(request, it.p, side);
+    steps.addOnHost("project", "corners to whole pixels, by the notes' projection");
+    if (!atPixels) steps.addIllumination();
+    steps.add("scanline", "the first and last column of each polygon in each row");
+    if (steps.onDevice())
+        steps.add("scanpaint", "the nearest polygon of each pixel, row by row");
+    else
+        steps.addFused("scanpaint", "scanline", "the nearest polygon of each pixel, row by row");
+    if (atPixels) steps.add("illuminate", "illumination at each pixel");
+    steps.addColours(it.p.side * it.p.side, RunsOn::host, "");
+    it.p.plan.choices.push_back(
+        "fill notes: corners on whole pixels, both ends of a line painted, what is carried interpolated along edges and lines");
+    return it.finish();
+}
+
+class PolygonPicture : public PreparedPicture {
+public:
+    using PreparedPicture::PreparedPicture;
+
+private:
+    void draw(Device* device, PlaneWriter& writer, RenderResult& result) override {
+        if (device == nullptr) {
+            TwinSide side(p_, request_, result);
+            NotesFrame(scene_, p_, request_, side, writer, result).draw();
+            return;
+        }
+        DeviceSide side(*device, p_, request_);
+        NotesFrame(scene_, p_, request_, side, writer, result).draw();
+        const std::vector<PassTime> times = side.recorder().takeTimes();
+        result.times.insert(result.times.end(), times.begin(), times.end());
+        for (const auto& [step, why] : side.recorder().takeSkipped()) result.plan.skip(step, why);
+    }
+};
+
+std::unique_ptr<PreparedPicture> pictureOf(const Scene& scene, const RenderRequest& request, Prepared prepared) {
+    return std::make_unique<PolygonPicture>(scene, request, std::move(prepared));
+}
+
+}  // namespace
+
+const Technique kPolygons = {
+    .name = "notes",
+    .refuse = refusePolygons,
+    .prepare = preparePolygons,
+    .picture = pictureOf,
+    .leavesToRays = raysAskedBy,
+    .planes = kPlanesOfLines | kPlanesOfSurfaces | kPlaneTriangle,
+    .vertices = Technique::Vertices::host,
+};
+
+void refuseOtherTrade(const RenderRequest& request) {
+    Trade other = request.trade;
+    other.specular = Trade().specular;
+    if (other != Trade{}) throw usageError("--trade: --fill notes has the axis specular; the others are of --fill exact");
 }
 
 }  // namespace plumb

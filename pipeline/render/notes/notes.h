@@ -5,6 +5,7 @@
 
 #include "pipeline/passes/scanline.h"
 #include "pipeline/render/prepare.h"
+#include "pipeline/render/technique.h"
 
 #include <cstdint>
 
@@ -18,7 +19,9 @@ struct NotesPolygon {
     uint32_t material;
 };
 
-void drawNotesCpu(const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
-void drawNotesGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
+extern const Technique kPolygons;
+
+// Throws for a choice of the trade that the notes' fill does not have.
+void refuseOtherTrade(const RenderRequest& request);
 
 }  // namespace plumb

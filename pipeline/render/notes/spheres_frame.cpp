@@ -2,8 +2,12 @@
 #include "pipeline/render/notes/spheres_frame.h"
 
 #include "pipeline/passes/parallel.h"
+#include "pipeline/render/notes/notes.h"
+#include "pipeline/render/plan_steps.h"
 #include "pipeline/render/planes.h"
-#include "pipeline/render/stopwatch.h"
+#include "pipeline/render/preparing.h"
+#include "pipeline/render/rays/rays.h"
+#include "pipeline/render/walk.h"
 #include "pipeline/scene/text.h"
 
 #include <fmt/core.h>
@@ -12,7 +16,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace plumb {
@@ -90,9 +96,7 @@ private:
 };
 
 void write(const Scene& scene, const Prepared& p, const RenderRequest& request, const Listed& listed, const SphereCanvas& canvas,
-           RenderResult& result) {
-    const Stopwatch watch(&result.times, "encode");
-    PlaneWriter writer(p, request, result.frame);
+           PlaneWriter& writer, RenderResult& result) {
     std::vector<int> drawn(canvas.owner.size());
     std::vector<float> linear(3 * canvas.owner.size());
     for (size_t i = 0; i < drawn.size(); ++i) {
@@ -110,25 +114,75 @@ void write(const Scene& scene, const Prepared& p, const RenderRequest& request, 
     result.counters.bands = result.counters.chunks = 1;
 }
 
+// What the implicit sphere rendering of the notes can draw.
+void refuseSpheres(const Scene& scene, const RenderRequest& request) {
+    refuseOtherTrade(request);
+    refuseNoZBuffer(scene);
+    if (request.shading != Shading::phong) throw usageError("--fill notes illuminates spheres at each pixel: --shading phong");
+    if (request.samples != 1) throw usageError("--fill notes draws one sample a pixel: leave --samples out");
+    if (!scene.objects.empty())
+        throw inputError(
+            firstShapePlace(scene),
+            "it has meshes beside spheres; --fill notes draws spheres in parallel projection and meshes in perspective, so not both");
+    if (scene.lights.size() > size_t(gpu::kSphereLights))
+        throw inputError(scene.lights[size_t(gpu::kSphereLights)].place.empty() ? printablePath(scene.path)
+                                                                                : scene.lights[size_t(gpu::kSphereLights)].place,
+                         fmt::format("{} lights; --fill notes draws spheres under at most {}", scene.lights.size(), gpu::kSphereLights));
+    if (!(scene.camera->focalPixels > 0))
+        throw inputError(firstShapePlace(scene), "--fill notes draws spheres for the viewer of camera.distance, a pixel a unit");
+}
+
+Prepared prepareSpheres(const Scene& scene, const RenderRequest& request, RunsOn side) {
+    Preparing it(scene, request, gpu::kShadingPhong);
+    it.list.addSphereMaterials();
+    it.dropRays(raysAskedByMaterials(scene));
+    it.addLights();
+    it.leaveOut();
+    StepList steps(request, it.p, side);
+    steps.add("spheres", "the nearest sphere of each pixel and its illumination, in parallel projection");
+    steps.addColours(1, RunsOn::host, "");
+    it.p.plan.choices.push_back(fmt::format("fill notes: spheres pixel by pixel in parallel projection, z {}",
+                                            scene.wholeSphereHeights ? "rounded to whole numbers" : "not rounded"));
+    return it.finish();
+}
+
+class SpheresPicture : public PreparedPicture {
+public:
+    using PreparedPicture::PreparedPicture;
+
+private:
+    void draw(Device* device, PlaneWriter& writer, RenderResult& result) override {
+        const Listed listed = listOf(scene_, p_, request_);
+        SphereCanvas canvas;
+        if (device != nullptr) {
+            Recorder recorder(*device);
+            recorder.allow(p_.plan.labels(RunsOn::device));
+            canvas = spheresGpu(*device, recorder, listed.list, lightOf(scene_, p_), {}, request_.watchdogMs);
+            result.times = recorder.takeTimes();
+        }
+        const StepBody twin[] = {
+            {"spheres", [&] { canvas = spheresCpu(listed.list, lightOf(scene_, p_), threadCount(request_.threads)); }}};
+        if (device == nullptr) walk(p_.plan, result.times, twin);
+        const StepBody host[] = {{"encode", [&] { write(scene_, p_, request_, listed, canvas, writer, result); }}};
+        walk(p_.plan, result.times, host);
+    }
+};
+
+std::unique_ptr<PreparedPicture> pictureOf(const Scene& scene, const RenderRequest& request, Prepared prepared) {
+    return std::make_unique<SpheresPicture>(scene, request, std::move(prepared));
+}
+
 }  // namespace
 
-void drawSpheresCpu(const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result) {
-    const Listed listed = listOf(scene, prepared, request);
-    SphereCanvas canvas;
-    {
-        const Stopwatch watch(&result.times, "spheres");
-        canvas = spheresCpu(listed.list, lightOf(scene, prepared), threadCount(request.threads));
-    }
-    write(scene, prepared, request, listed, canvas, result);
-}
-
-void drawSpheresGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result) {
-    const Listed listed = listOf(scene, prepared, request);
-    Recorder recorder(device);
-    recorder.allow(prepared.plan.labels(RunsOn::device));
-    const SphereCanvas canvas = spheresGpu(device, recorder, listed.list, lightOf(scene, prepared), {}, request.watchdogMs);
-    result.times = recorder.takeTimes();
-    write(scene, prepared, request, listed, canvas, result);
-}
+const Technique kSpheres = {
+    .name = "spheres",
+    .refuse = refuseSpheres,
+    .prepare = prepareSpheres,
+    .picture = pictureOf,
+    .leavesToRays = raysAskedByMaterials,
+    .planes = kPlanesOfLines | kPlanesOfSurfaces | kPlaneTriangle,
+    .vertices = Technique::Vertices::none,
+    .parallel = true,
+};
 
 }  // namespace plumb

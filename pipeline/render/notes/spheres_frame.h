@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-// `--fill notes` for a scene of spheres: the implicit sphere rendering of 16.5, one pass for all of it. What a scene must be for this is checked by
-// prepare(); encoding and the other planes are host code, the same for device and twin.
+// `--fill notes` for a scene of spheres: the implicit sphere rendering of 16.5, one pass for all of it. Encoding and the other planes are host code, the
+// same for device and twin.
 #pragma once
 
 #include "pipeline/passes/spheres.h"
-#include "pipeline/render/prepare.h"
+#include "pipeline/render/technique.h"
 
 namespace plumb {
 
-void drawSpheresCpu(const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
-void drawSpheresGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
+extern const Technique kSpheres;
 
 }  // namespace plumb

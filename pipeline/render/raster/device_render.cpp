@@ -2,8 +2,6 @@
 #include "pipeline/render/raster/device_render.h"
 
 #include "pipeline/render/raster/triangle_seen.h"
-#include "pipeline/render/stopwatch.h"
-#include "pipeline/render/wire/wire.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -37,6 +35,11 @@ uint32_t fillPlanes(const Prepared& p, const RenderRequest& request) {
 
 }  // namespace
 
+DeviceRender::DeviceRender(Device& device, const Prepared& prepared, const RenderRequest& request)
+    : request_(request), p_(prepared), frame_(device, prepared, request.watchdogMs), counters_(prepared.counters) {
+    listen();
+}
+
 // An interrupt is heard and the watchdog wound up again after some seconds at most, however many lights or layers there are.
 void DeviceRender::listen() {
     constexpr uint32_t kCommands = 64;
@@ -45,15 +48,14 @@ void DeviceRender::listen() {
     });
 }
 
-bool DeviceRender::drawInPlace() {
+bool DeviceRender::draw() {
     const DrawList& list = p_.list;
     const int height = list.frame.height;
-    if (request_.shading == Shading::wire || request_.fill == Fill::notes || p_.side > 1 || list.triangles.empty()) return false;
     int bandRows = int(frame_.bandRowsInPlace());
     if (request_.bandRows) bandRows = std::min(bandRows, int((request_.bandRows + 7) / 8 * 8));
     if (bandRows == 0 || list.triangles.size() > chunkTriangles(0)) return false;
-    result_.counters = p_.counters;
-    result_.counters.chunks = 1;
+    counters_ = p_.counters;
+    counters_.chunks = 1;
     frame_.keepBands();
     try {
         gpu::FrameBox band = list.frame;
@@ -65,11 +67,11 @@ bool DeviceRender::drawInPlace() {
             if (band.firstRow == 0) {
                 frame_.transformAndCull(false);
                 frame_.setupForBin();
-                addCounts(frame_, result_.counters);
+                addCounts(frame_, counters_);
             }
             drawColours(0, false);
-            result_.counters.binEntries += frame_.binEntries();
-            ++result_.counters.bands;
+            counters_.binEntries += frame_.binEntries();
+            ++counters_.bands;
         }
     } catch (const TooLarge&) {
         return false;
@@ -82,15 +84,9 @@ uint64_t DeviceRender::chunkTriangles(uint32_t planes) const {
     return request_.chunkTriangles ? std::min<uint64_t>(most, request_.chunkTriangles) : most;
 }
 
-RenderResult DeviceRender::draw() {
-    const Stopwatch total(nullptr, "");
-    PlaneWriter writer(p_, request_, result_.frame);
-    if (request_.shading == Shading::wire) {
-        drawWireGpu(device_, scene_, p_, request_, result_);
-        result_.plan.close(result_.times);
-        result_.totalMs = total.elapsedMs();
-        return std::move(result_);
-    }
+ResidentScene::Picture DeviceRender::pixels() const { return {frame_.colourWords().data(), p_.width, p_.height, frame_.rowPixels()}; }
+
+void DeviceRender::draw(PlaneWriter& writer, RenderResult& result) {
     const DrawList& list = p_.list;
     uint32_t planes = fillPlanes(p_, request_);
     uint64_t chunk = std::max<uint64_t>(1, std::min<uint64_t>(chunkTriangles(planes), list.triangles.size()));
@@ -100,7 +96,7 @@ RenderResult DeviceRender::draw() {
     }
     while (!list.triangles.empty()) {
         try {
-            drawBands(writer, planes, uint32_t(chunk));
+            drawBands(writer, result.frame, planes, uint32_t(chunk));
             break;
         } catch (const TooLarge& reason) {
             // Several chunks need z between them; halving always ends: one triangle's lists fit any device.
@@ -109,18 +105,16 @@ RenderResult DeviceRender::draw() {
                 chunk = (chunk + 1) / 2;
             }
             planes |= gpu::kFillPlaneZ;
-            result_.counters = p_.counters;
+            counters_ = p_.counters;
             writer.restart();
         }
     }
-    result_.times = frame_.recorder().takeTimes();
-    for (const auto& [step, why] : frame_.recorder().takeSkipped()) result_.plan.skip(step, why);
-    result_.plan.close(result_.times);
-    result_.totalMs = total.elapsedMs();
-    return std::move(result_);
+    result.counters = counters_;
+    result.times = frame_.recorder().takeTimes();
+    for (const auto& [step, why] : frame_.recorder().takeSkipped()) result.plan.skip(step, why);
 }
 
-void DeviceRender::drawBands(PlaneWriter& writer, uint32_t planes, uint32_t chunkSize) {
+void DeviceRender::drawBands(PlaneWriter& writer, Frame& out, uint32_t planes, uint32_t chunkSize) {
     const DrawList& list = p_.list;
     const uint32_t height = uint32_t(list.frame.height);
     const uint32_t chunks = uint32_t((list.triangles.size() + chunkSize - 1) / chunkSize);
@@ -143,18 +137,18 @@ void DeviceRender::drawBands(PlaneWriter& writer, uint32_t planes, uint32_t chun
             if (chunks > 1 || firstRow == 0 || normalsApart(planes)) {
                 frame_.transformAndCull(false);
                 frame_.setupForBin();
-                if (firstRow == 0) addCounts(frame_, result_.counters);
+                if (firstRow == 0) addCounts(frame_, counters_);
             }
             drawColours(planes, c > 0);
-            result_.counters.binEntries += frame_.binEntries();
+            counters_.binEntries += frame_.binEntries();
         }
         if (p_.side > 1) frame_.resolve(p_.choices.encoding, request_.transparent, request_.planes & kPlaneLinear);
-        readBand(writer, band, planes);
-        ++result_.counters.bands;
+        readBand(writer, out, band, planes);
+        ++counters_.bands;
     }
-    result_.counters.chunks = chunks;
-    if (p_.choices.shading == gpu::kShadingFlat) result_.counters.illuminations = list.facePositions.size();
-    if (p_.choices.shading == gpu::kShadingGouraud) result_.counters.illuminations = list.positions.size();
+    counters_.chunks = chunks;
+    if (p_.choices.shading == gpu::kShadingFlat) counters_.illuminations = list.facePositions.size();
+    if (p_.choices.shading == gpu::kShadingGouraud) counters_.illuminations = list.positions.size();
 }
 
 bool DeviceRender::normalsApart(uint32_t planes) const {
@@ -185,7 +179,7 @@ void DeviceRender::drawNormals(uint32_t planes, bool prior) {
     frame_.fill(choices);
 }
 
-void DeviceRender::readBand(PlaneWriter& writer, const gpu::FrameBox& band, uint32_t planes) {
+void DeviceRender::readBand(PlaneWriter& writer, Frame& out, const gpu::FrameBox& band, uint32_t planes) {
     const uint32_t side = p_.side, rows = uint32_t(band.rows) / side, firstRow = uint32_t(band.firstRow) / side;
     const SampleLayout layout{frame_.rowPixels(), side, side, side / 2};
     const uint32_t linearSlot = planes & gpu::kFillPlaneTriangle ? 2 : 1;
@@ -195,10 +189,10 @@ void DeviceRender::readBand(PlaneWriter& writer, const gpu::FrameBox& band, uint
     for (uint32_t i = 0; i < 3 && writer.wants(kPlaneLinear); ++i)
         colours.linear[i] = side > 1 ? frame_.resolvedLinear(i).data() : frame_.plane(linearSlot + i).data();
     const uint64_t covered = writer.takeColours(firstRow, rows, colours);
-    if (side == 1) result_.frame.coveredPixels += covered;
+    if (side == 1) out.coveredPixels += covered;
     const std::span<const uint32_t> z = planes & gpu::kFillPlaneZ ? frame_.plane(0) : std::span<const uint32_t>();
     const uint64_t samples = side > 1 ? writer.takeCoverage(rows, layout, z) : covered;
-    if (p_.choices.shading == gpu::kShadingPhong) result_.counters.illuminations += samples;
+    if (p_.choices.shading == gpu::kShadingPhong) counters_.illuminations += samples;
     if (!(planes & gpu::kFillPlaneTriangle)) return;
     const std::span<const uint32_t> triangle = frame_.plane(1);
     const uint32_t* normals[3] = {};

@@ -5,33 +5,31 @@
 
 #include "pipeline/render/planes.h"
 #include "pipeline/render/raster/gpu_frame.h"
+#include "pipeline/render/technique.h"
 
 #include <cstdint>
 
 namespace plumb {
 
-class DeviceRender {
+class DeviceRender : public ResidentPicture {
 public:
-    DeviceRender(Device& device, const Scene& scene, const RenderRequest& request)
-        : device_(device), scene_(scene), request_(request), p_(prepare(scene, request)), frame_(device, p_, request.watchdogMs) {
-        result_.plan = p_.plan;
-        result_.counters = p_.counters;
-        listen();
-    }
+    DeviceRender(Device& device, const Prepared& prepared, const RenderRequest& request);
     DeviceRender(const DeviceRender&) = delete;  // the recorder calls back
     DeviceRender& operator=(const DeviceRender&) = delete;
 
-    // Nothing but colour, in one chunk that stays on the device; false when this picture needs more than that.
-    bool drawInPlace();
-    const GpuFrame& frame() const { return frame_; }
-    GpuFrame& frame() { return frame_; }
-    const RenderCounters& counters() const { return result_.counters; }
+    void draw(PlaneWriter& writer, RenderResult& result);
 
-    RenderResult draw();
+    // False where every picture of this kind needs more than colour in one chunk.
+    static bool staysInPlace(const Prepared& prepared) { return prepared.side == 1 && !prepared.list.triangles.empty(); }
+    // Nothing but colour, in one chunk that stays on the device; false when this picture needs more than that.
+    bool draw() override;
+    ResidentScene::Picture pixels() const override;
+    RenderCounters counters() const override { return counters_; }
+    Recorder& recorder() override { return frame_.recorder(); }
 
 private:
     void listen();
-    void drawBands(PlaneWriter& writer, uint32_t planes, uint32_t chunkSize);
+    void drawBands(PlaneWriter& writer, Frame& out, uint32_t planes, uint32_t chunkSize);
 
     bool normalsApart(uint32_t planes) const;
 
@@ -42,14 +40,12 @@ private:
     // Normals of a picture that is not shaded by them: the same triangles carrying normals, before z is written.
     void drawNormals(uint32_t planes, bool prior);
 
-    void readBand(PlaneWriter& writer, const gpu::FrameBox& band, uint32_t planes);
+    void readBand(PlaneWriter& writer, Frame& out, const gpu::FrameBox& band, uint32_t planes);
 
-    Device& device_;
-    const Scene& scene_;
-    RenderRequest request_;
-    Prepared p_;
+    const RenderRequest& request_;
+    const Prepared& p_;
     GpuFrame frame_;
-    RenderResult result_;
+    RenderCounters counters_;
     bool uploaded_ = false;
     double done_ = 0;  // share of the picture, for onProgress
 };

@@ -3,61 +3,75 @@
 
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/transform.h"
-#include "pipeline/render/stopwatch.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace plumb {
 
-TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads, std::vector<PassTime>* times) {
+TwinPasses::TwinPasses(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads, TwinGeometry& geometry)
+    : list_(list), choices_(choices), normals_(normals), threads_(threads), g_(geometry) {}
+
+bool TwinPasses::illuminates() const {
+    return choices_.shading == gpu::kShadingFlat || (choices_.shading == gpu::kShadingGouraud && !normals_);
+}
+
+void TwinPasses::transform() {
+    const size_t vertices = list_.positions.size();
+    g_.screen.resize(vertices);
+    g_.carried.resize(vertices);
+    if (list_.numbers != Numbers::fp32) g_.clipSpace.resize(vertices);
+    for (const DrawList::Range& r : list_.ranges) {
+        const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, list_.viewport};
+        transformCpu(push, normalsCarried(choices_, normals_), list_.positions, list_.normals, list_.objects, g_.screen, g_.carried,
+                     threads_, {list_.numbers, list_.longs, g_.clipSpace});
+    }
+}
+
+void TwinPasses::illuminate() {
+    const bool vertices = choices_.shading == gpu::kShadingGouraud;
+    if (!vertices) g_.faceColours.resize(list_.facePositions.size());
+    for (const DrawList::Range& r : list_.ranges) {
+        const gpu::IlluminatePush push{0,
+                                       vertices ? r.firstVertex : r.firstFace,
+                                       vertices ? r.vertexCount : r.faceCount,
+                                       r.record,
+                                       0,
+                                       uint32_t(list_.lights.size()),
+                                       list_.towardViewer};
+        if (vertices)
+            illuminateCpu(push, choices_.parts, list_.positions, list_.normals, list_.vertexMaterial, list_.objects, list_.materials,
+                          list_.lights, g_.carried, threads_);
+        else
+            illuminateCpu(push, choices_.parts, list_.facePositions, list_.faceNormals, list_.faceMaterial, list_.objects, list_.materials,
+                          list_.lights, g_.faceColours, threads_);
+    }
+}
+
+void TwinPasses::cull() {
+    g_.records.resize((list_.triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane);
+    cullCpu({0, uint32_t(list_.triangles.size()), list_.cullBackFaces, list_.frame}, list_.triangles, g_.screen, g_.records, threads_);
+}
+
+void TwinPasses::setUp() {
+    const uint32_t vertices = uint32_t(list_.positions.size());
+    g_.places = placeDraws(g_.records, list_, vertices);
+    g_.draws.resize(g_.places.drawCount);
+    g_.screen.resize(vertices + g_.places.clippedVertices);
+    g_.carried.resize(vertices + g_.places.clippedVertices);
+    g_.clipKinds.resize(g_.places.jobs.size());
+    setupCpu(g_.records, g_.places, list_.triangles, g_.screen, g_.draws, threads_);
+    clipCpu({0, uint32_t(g_.places.jobs.size()), list_.cullBackFaces, list_.frame, list_.viewport}, g_.places.jobs, list_.triangles,
+            list_.positions, list_.objects, g_.screen, g_.carried, g_.draws, g_.clipKinds, threads_, g_.clipSpace);
+}
+
+TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads) {
     TwinGeometry g;
-    const uint32_t vertices = uint32_t(list.positions.size());
-    g.screen.resize(vertices);
-    g.carried.resize(vertices);
-    if (list.numbers != Numbers::fp32) g.clipSpace.resize(vertices);
-    const bool gouraud = choices.shading == gpu::kShadingGouraud && !normals;
-    {
-        const Stopwatch watch(times, "transform");
-        for (const DrawList::Range& r : list.ranges) {
-            const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, list.viewport};
-            transformCpu(push, normalsCarried(choices, normals), list.positions, list.normals, list.objects, g.screen, g.carried, threads,
-                         {list.numbers, list.longs, g.clipSpace});
-        }
-    }
-    if (gouraud || choices.shading == gpu::kShadingFlat) {
-        const Stopwatch watch(times, "illuminate");
-        if (!gouraud) g.faceColours.resize(list.facePositions.size());
-        for (const DrawList::Range& r : list.ranges) {
-            const gpu::IlluminatePush push{0,
-                                           gouraud ? r.firstVertex : r.firstFace,
-                                           gouraud ? r.vertexCount : r.faceCount,
-                                           r.record,
-                                           0,
-                                           uint32_t(list.lights.size()),
-                                           list.towardViewer};
-            if (gouraud)
-                illuminateCpu(push, choices.parts, list.positions, list.normals, list.vertexMaterial, list.objects, list.materials,
-                              list.lights, g.carried, threads);
-            else
-                illuminateCpu(push, choices.parts, list.facePositions, list.faceNormals, list.faceMaterial, list.objects, list.materials,
-                              list.lights, g.faceColours, threads);
-        }
-    }
-    {
-        const Stopwatch watch(times, "cull");
-        g.records.resize((list.triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane);
-        cullCpu({0, uint32_t(list.triangles.size()), list.cullBackFaces, list.frame}, list.triangles, g.screen, g.records, threads);
-    }
-    const Stopwatch watch(times, "setup");
-    g.places = placeDraws(g.records, list, vertices);
-    g.draws.resize(g.places.drawCount);
-    g.screen.resize(vertices + g.places.clippedVertices);
-    g.carried.resize(vertices + g.places.clippedVertices);
-    g.clipKinds.resize(g.places.jobs.size());
-    setupCpu(g.records, g.places, list.triangles, g.screen, g.draws, threads);
-    clipCpu({0, uint32_t(g.places.jobs.size()), list.cullBackFaces, list.frame, list.viewport}, g.places.jobs, list.triangles,
-            list.positions, list.objects, g.screen, g.carried, g.draws, g.clipKinds, threads, g.clipSpace);
+    TwinPasses passes(list, choices, normals, threads, g);
+    passes.transform();
+    if (passes.illuminates()) passes.illuminate();
+    passes.cull();
+    passes.setUp();
     return g;
 }
 

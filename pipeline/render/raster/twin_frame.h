@@ -23,7 +23,25 @@ struct TwinGeometry {
     std::vector<glm::vec4> clipSpace;  // of vertices, unless they are transformed in float32
 };
 
-// transform, illuminate, cull, set-up and clip of the whole list. `normals`: carry world normals whatever the shading.
-TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads, std::vector<PassTime>* times);
+// The passes of the geometry, each on what those before it left in `geometry`. `normals`: carry world normals whatever the shading.
+class TwinPasses {
+public:
+    TwinPasses(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads, TwinGeometry& geometry);
+    bool illuminates() const;  // vertices or faces
+    void transform();
+    void illuminate();
+    void cull();
+    void setUp();  // and clip
+
+private:
+    const DrawList& list_;
+    const FillChoices& choices_;
+    const bool normals_;
+    const uint32_t threads_;
+    TwinGeometry& g_;
+};
+
+// All of them on the whole list.
+TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads);
 
 }  // namespace plumb

@@ -32,20 +32,19 @@ constexpr uint64_t kLeastSamples = 256, kMostSamples = uint64_t(1) << 22;
 constexpr uint32_t kListedRaysPerDispatch = 32;
 constexpr uint64_t kWaitingBytes = uint64_t(64) << 20;
 
-class DeviceTrace {
+class DeviceTrace : public ResidentPicture {
 public:
-    DeviceTrace(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request, RenderResult& result)
+    DeviceTrace(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request)
         : device_(device),
           p_(p),
           request_(request),
-          result_(result),
           grid_(sampleGridOf(p, request)),
           traced_(traceSceneOf(scene, p)),
           choices_(traceChoicesOf(scene, request, p, traced_)),
           push_(tracePushOf(p, request, traced_)),
           recorder_(device),
-          planes_(p, request, result.frame),
           seen_(p, scene, request, grid_),
+          counted_(p.counters),
           counters_(gpu::kCounters) {
         recorder_.allow(p.plan.labels(RunsOn::device));
         const uint64_t steps = stepsOfRay(traced_);
@@ -75,33 +74,32 @@ public:
         slots_ = slotsOf(choices_.planes);
     }
 
-    void draw() {
+    void draw(PlaneWriter& writer, RenderResult& result) {
         upload();
         const uint64_t bandRows = rowsOfBand();
         for (uint32_t first = 0; first < p_.height; first += uint32_t(bandRows)) {
-            band(first, uint32_t(std::min<uint64_t>(bandRows, p_.height - first)));
-            ++result_.counters.bands;
+            band(first, uint32_t(std::min<uint64_t>(bandRows, p_.height - first)), writer, result.frame);
+            ++counted_.bands;
         }
-        addRayCounts(counters_, push_.maxDepth, result_.counters);
-        countParts(traced_, result_.counters);
-        result_.times = recorder_.takeTimes();
+        countRays();
+        result.counters = counted_;
+        result.times = recorder_.takeTimes();
     }
 
     // One band of one sample a pixel, left where the device wrote it.
-    bool drawInPlace() {
+    bool draw() override {
         if (!buffers_.spheres) upload();
         if (resolves() || rowsOfBand() < p_.height) return false;
         std::fill(counters_.begin(), counters_.end(), 0);
         traceBand(0, p_.height);
-        result_.counters.rays.clear();
-        result_.counters.undecidedRays = 0;
-        addRayCounts(counters_, push_.maxDepth, result_.counters);
-        countParts(traced_, result_.counters);
+        counted_.rays.clear();
+        counted_.undecidedRays = 0;
+        countRays();
         return true;
     }
-    std::span<const uint32_t> colours() const { return buffers_.colours.span(); }
-    uint32_t pitch() const { return push_.rowWords; }
-    Recorder& recorder() { return recorder_; }
+    ResidentScene::Picture pixels() const override { return {buffers_.colours.span().data(), p_.width, p_.height, push_.rowWords}; }
+    RenderCounters counters() const override { return counted_; }
+    Recorder& recorder() override { return recorder_; }
 
 private:
     uint64_t rowsOfBand() {
@@ -112,6 +110,11 @@ private:
         if (sampleRows < grid_.side) throw renderError("a row of the picture exceeds the device's buffers");
         const uint64_t rows = (sampleRows - grid_.overlap()) / grid_.stride;
         return request_.bandRows ? std::min<uint64_t>(rows, request_.bandRows) : rows;
+    }
+
+    void countRays() {
+        addRayCounts(counters_, push_.maxDepth, counted_);
+        countParts(traced_, counted_);
     }
 
     static uint32_t slotsOf(uint32_t planes) {
@@ -146,11 +149,11 @@ private:
         buffers_.states.reserve(device_, 1, "states of samples");
     }
 
-    void band(uint32_t firstRow, uint32_t rows) {
+    void band(uint32_t firstRow, uint32_t rows, PlaneWriter& writer, Frame& out) {
         traceBand(firstRow, rows);
         if (resolves()) resolve(push_, choices_, grid_.side, grid_.stride, p_.width, rows);
-        read(firstRow, rows);
-        if (request_.rays.sampling == RayChoices::Sampling::adaptive) refine(firstRow, rows);
+        read(firstRow, rows, writer, out);
+        if (request_.rays.sampling == RayChoices::Sampling::adaptive) refine(firstRow, rows, writer);
     }
 
     // Samples of rows of pixels. What they share with the rows above is copied down.
@@ -269,26 +272,25 @@ private:
     }
     static uint32_t linearSlotOf(uint32_t planes) { return planes & gpu::kTracePlaneObject ? 2 : 1; }
     const uint32_t* plane(uint32_t slot) const { return buffers_.planeWords.span().data() + size_t(slot) * push_.planeWords; }
-    void read(uint32_t firstRow, uint32_t rows) {
+    void read(uint32_t firstRow, uint32_t rows, PlaneWriter& writer, Frame& out) {
         const SampleLayout layout = grid_.inRowsOf(push_.rowWords);
         const uint32_t linearSlot = linearSlotOf(choices_.planes),
                        normalSlot = linearSlot + (choices_.planes & gpu::kTracePlaneLinear ? 3 : 0);
         const uint32_t pitch = resolves() ? resolvedQuads_ * 4 : push_.rowWords;
         PlaneWriter::DeviceRows colours{resolves() ? wordsOf(resolved_) : wordsOf(buffers_.colours), pitch, {}, pitch};
-        for (uint32_t i = 0; i < 3 && planes_.wants(kPlaneLinear); ++i)
+        for (uint32_t i = 0; i < 3 && writer.wants(kPlaneLinear); ++i)
             colours.linear[i] = resolves() ? resolvedLinear(i) : plane(linearSlot + i);
-        const uint64_t covered = planes_.takeColours(firstRow, rows, colours);
+        const uint64_t covered = writer.takeColours(firstRow, rows, colours);
         const std::span<const uint32_t> distance(plane(0), choices_.planes & gpu::kTracePlaneDistance ? push_.planeWords : 0);
         if (resolves())
-            planes_.takeCoverage(rows, layout, distance);
+            writer.takeCoverage(rows, layout, distance);
         else
-            result_.frame.coveredPixels += covered;
+            out.coveredPixels += covered;
         if (!(choices_.planes & gpu::kTracePlaneObject)) return;
         const uint32_t* object = plane(1);
-        planes_.takeSeen(firstRow, rows, layout, distance, [&](uint32_t x, uint32_t y, size_t sample) {
+        writer.takeSeen(firstRow, rows, layout, distance, [&](uint32_t x, uint32_t y, size_t sample) {
             glm::vec3 normal(0);
-            for (uint32_t i = 0; i < 3 && planes_.wants(kPlaneNormal); ++i)
-                normal[int(i)] = gpu::realOf(int(plane(normalSlot + i)[sample]));
+            for (uint32_t i = 0; i < 3 && writer.wants(kPlaneNormal); ++i) normal[int(i)] = gpu::realOf(int(plane(normalSlot + i)[sample]));
             return seen_.at(x, y, distance[sample], object[sample], normal);
         });
     }
@@ -301,7 +303,7 @@ private:
     }
 
     // Pixels whose corners differ, again by the samples of a grid. The band's planes are overwritten, so but for the row that the next band shares.
-    void refine(uint32_t firstRow, uint32_t rows) {
+    void refine(uint32_t firstRow, uint32_t rows, PlaneWriter& writer) {
         const uint32_t linearSlot = linearSlotOf(choices_.planes);
         const std::vector<uint32_t> pixels = pixelsWithDifferentCorners(
             p_.width, firstRow, rows, choices_.encoding,
@@ -311,7 +313,7 @@ private:
                                  gpu::realOf(int(plane(linearSlot + 2)[sample])));
             },
             [&](uint32_t x, uint32_t y) { return plane(0)[size_t(y) * push_.rowWords + x] != 0; }, threadCount(request_.threads));
-        result_.counters.refinedPixels += pixels.size();
+        counted_.refinedPixels += pixels.size();
         TraceChoices choices = choices_;
         choices.sampling = gpu::kSampleGrid;
         choices.side = kFineSide;
@@ -332,7 +334,7 @@ private:
             const std::span<const uint32_t> words = wordsOf(resolved_);
             const auto* linear = static_cast<const float*>(resolvedLinear_.data());
             for (size_t i = 0; i < some.size(); ++i)
-                planes_.replaceColour(some[i] & 0xffffu, some[i] >> 16, words[i], linear + i, size_t(resolvedQuads_) * 4 * resolvedRows_);
+                writer.replaceColour(some[i] & 0xffffu, some[i] >> 16, words[i], linear + i, size_t(resolvedQuads_) * 4 * resolvedRows_);
         }
         std::swap(coarse, buffers_.planeWords);
     }
@@ -340,14 +342,13 @@ private:
     Device& device_;
     const Prepared& p_;
     const RenderRequest& request_;
-    RenderResult& result_;
     const SampleGrid grid_;
     TraceScene traced_;
     TraceChoices choices_;
     gpu::TracePush push_;
     Recorder recorder_;
-    PlaneWriter planes_;
     RaySeen seen_;
+    RenderCounters counted_;
     std::vector<uint64_t> counters_;
     TraceBuffers buffers_;
     Buffer<glm::uvec4> resolved_;
@@ -359,27 +360,13 @@ private:
 
 }  // namespace
 
-struct ResidentTrace::Impl {
-    const Scene& scene;
-    const RenderRequest request;
-    const Prepared prepared;
-    RenderResult result;
-    DeviceTrace trace;
-    Impl(Device& device, const Scene& s, const RenderRequest& r)
-        : scene(s), request(r), prepared(prepare(s, request)), trace(device, prepared, scene, request, result) {}
-};
+void traceFrameGpu(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request, PlaneWriter& writer,
+                   RenderResult& result) {
+    DeviceTrace(device, p, scene, request).draw(writer, result);
+}
 
-ResidentTrace::ResidentTrace(Device& device, const Scene& scene, const RenderRequest& request)
-    : impl_(std::make_unique<Impl>(device, scene, request)) {}
-ResidentTrace::~ResidentTrace() = default;
-bool ResidentTrace::draw() { return impl_->trace.drawInPlace(); }
-std::span<const uint32_t> ResidentTrace::colours() const { return impl_->trace.colours(); }
-uint32_t ResidentTrace::pitch() const { return impl_->trace.pitch(); }
-RenderCounters ResidentTrace::counters() const { return impl_->result.counters; }
-Recorder& ResidentTrace::recorder() { return impl_->trace.recorder(); }
-
-void traceFrameGpu(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request, RenderResult& result) {
-    DeviceTrace(device, p, scene, request, result).draw();
+std::unique_ptr<ResidentPicture> residentTrace(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request) {
+    return std::make_unique<DeviceTrace>(device, p, scene, request);
 }
 
 }  // namespace plumb

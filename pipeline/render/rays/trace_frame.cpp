@@ -3,7 +3,7 @@
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/rays/trace_samples.h"
-#include "pipeline/render/stopwatch.h"
+#include "pipeline/render/walk.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -43,7 +43,7 @@ struct Samples {
 
 class TwinTrace {
 public:
-    TwinTrace(const Prepared& p, const Scene& scene, const RenderRequest& request, RenderResult& result)
+    TwinTrace(const Prepared& p, const Scene& scene, const RenderRequest& request, PlaneWriter& writer, RenderResult& result)
         : p_(p),
           request_(request),
           result_(result),
@@ -51,7 +51,7 @@ public:
           traced_(traceSceneOf(scene, p)),
           choices_(traceChoicesOf(scene, request, p, traced_)),
           push_(tracePushOf(p, request, traced_)),
-          planes_(p, request, result.frame),
+          planes_(writer),
           seen_(p, scene, request, grid_),
           threads_(threadCount(request.threads)),
           counters_(gpu::kCounters) {}
@@ -69,8 +69,6 @@ public:
     }
 
 private:
-    bool resolves() const { return grid_.side > 1; }
-
     // Rows of pixels.
     void band(uint32_t firstRow, uint32_t rows) {
         const uint32_t sampleRows = grid_.rowsFor(rows), shared = firstRow ? grid_.overlap() : 0;
@@ -78,21 +76,21 @@ private:
         samples_.begin(size_t(sampleRows) * grid_.width, kept, request_.planes & kPlaneNormal);
         push_.firstItem = (firstRow * grid_.stride + shared) * grid_.width;
         push_.itemCount = (sampleRows - shared) * grid_.width;
-        {
-            const Stopwatch watch(&result_.times, "trace");
-            traceCpu(push_, traced_, choices_, samples_.from(kept), counters_, threads_);
-        }
+        const StepBody steps[] = {{"trace", [&] { traceCpu(push_, traced_, choices_, samples_.from(kept), counters_, threads_); }},
+                                  {"resolve", [&] { write(firstRow, rows); }},
+                                  {"encode", [&] { write(firstRow, rows); }}};
+        walk(p_.plan, result_.times, steps);
+        if (request_.rays.sampling == RayChoices::Sampling::adaptive) refine(firstRow, rows);
+    }
+
+    void write(uint32_t firstRow, uint32_t rows) {
         const std::span<const int> drawn = asInts(samples_.distance);
-        {
-            const Stopwatch watch(&result_.times, resolves() ? "resolve" : "encode");
-            planes_.takeColours(firstRow, rows, {grid_, samples_.linear, drawn}, threads_);
-        }
+        planes_.takeColours(firstRow, rows, {grid_, samples_.linear, drawn}, threads_);
         planes_.takeCoverage(rows, grid_, drawn);
         planes_.takeSeen(firstRow, rows, grid_, drawn, [&](uint32_t x, uint32_t y, size_t sample) {
             const float* n = samples_.normal.empty() ? nullptr : &samples_.normal[3 * sample];
             return seen_.at(x, y, samples_.distance[sample], samples_.object[sample], n ? glm::vec3(n[0], n[1], n[2]) : glm::vec3(0));
         });
-        if (request_.rays.sampling == RayChoices::Sampling::adaptive) refine(firstRow, rows);
     }
 
     static std::span<const int> asInts(const std::vector<uint32_t>& words) {
@@ -138,7 +136,7 @@ private:
     TraceScene traced_;
     TraceChoices choices_;
     gpu::TracePush push_;
-    PlaneWriter planes_;
+    PlaneWriter& planes_;
     RaySeen seen_;
     const uint32_t threads_;
     std::vector<uint64_t> counters_;
@@ -169,8 +167,8 @@ gpu::TracePush tracePushOf(const Prepared& p, const RenderRequest& request, cons
     return push;
 }
 
-void traceFrameCpu(const Prepared& p, const Scene& scene, const RenderRequest& request, RenderResult& result) {
-    TwinTrace(p, scene, request, result).draw();
+void traceFrameCpu(const Prepared& p, const Scene& scene, const RenderRequest& request, PlaneWriter& writer, RenderResult& result) {
+    TwinTrace(p, scene, request, writer, result).draw();
 }
 
 }  // namespace plumb

@@ -4,6 +4,7 @@
 
 #include "pipeline/passes/trace.h"
 #include "pipeline/render/prepare.h"
+#include "pipeline/render/technique.h"
 
 #include <cstdint>
 #include <memory>
@@ -21,25 +22,10 @@ gpu::TracePush tracePushOf(const Prepared& prepared, const RenderRequest& reques
 // Loop iterations that one ray costs on the device at most, feelers included.
 uint64_t stepsOfRay(const TraceScene& traced);
 
-void traceFrameCpu(const Prepared& prepared, const Scene& scene, const RenderRequest& request, RenderResult& result);
-// A picture that stays on the device, drawn again and again: nothing is uploaded after the first.
-class ResidentTrace {
-public:
-    ResidentTrace(Device& device, const Scene& scene, const RenderRequest& request);
-    ~ResidentTrace();
-    ResidentTrace(const ResidentTrace&) = delete;
-    ResidentTrace& operator=(const ResidentTrace&) = delete;
-    bool draw();  // false, and nothing is drawn: the picture takes samples that are resolved, or several bands
-    std::span<const uint32_t> colours() const;  // alpha 0 where nothing is hit
-    uint32_t pitch() const;
-    RenderCounters counters() const;  // of the last draw()
-    Recorder& recorder();
-
-private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
-};
-
-void traceFrameGpu(Device& device, const Prepared& prepared, const Scene& scene, const RenderRequest& request, RenderResult& result);
+void traceFrameCpu(const Prepared& prepared, const Scene& scene, const RenderRequest& request, PlaneWriter& writer, RenderResult& result);
+void traceFrameGpu(Device& device, const Prepared& prepared, const Scene& scene, const RenderRequest& request, PlaneWriter& writer,
+                   RenderResult& result);
+// A picture of one sample a pixel that stays on the device: nothing is uploaded after the first draw.
+std::unique_ptr<ResidentPicture> residentTrace(Device& device, const Prepared& prepared, const Scene& scene, const RenderRequest& request);
 
 }  // namespace plumb

@@ -3,15 +3,22 @@
 
 #include "pipeline/passes/lines.h"
 #include "pipeline/passes/parallel.h"
+#include "pipeline/render/notes/notes.h"
+#include "pipeline/render/notes/polygons.h"
 #include "pipeline/render/planes.h"
-#include "pipeline/render/stopwatch.h"
+#include "pipeline/render/preparing.h"
+#include "pipeline/render/raster/raster.h"
+#include "pipeline/render/walk.h"
+#include "pipeline/scene/flattened.h"
 
 #include <fmt/core.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace plumb {
@@ -37,9 +44,8 @@ gpu::LinesPush linesPush(const Prepared& p, const DrawList::Range& r) {
 
 // What the filled picture shows at each sample of the frame: bits of z, and the face in the draw list. Drawn by the passes of the fill on the same
 // side, and counted and timed with the lines. Empty where hidden lines are drawn as well.
-template <class Render>
-std::vector<glm::uvec2> surfacesOf(const Scene& scene, const Prepared& p, const RenderRequest& request, RenderResult& result,
-                                   const Render& render) {
+std::vector<glm::uvec2> surfacesOf(Device* device, const Scene& scene, const Prepared& p, const RenderRequest& request,
+                                   RenderResult& result) {
     if (request.wire != WireView::solid) return {};
     RenderRequest filled = request;
     filled.shading = Shading::unlit;
@@ -53,9 +59,9 @@ std::vector<glm::uvec2> surfacesOf(const Scene& scene, const Prepared& p, const 
     if (p.side > 1 && scene.camera->focalPixels > 0) {
         Scene larger = scene;
         larger.camera->focalPixels *= p.side;
-        seen = render(larger, filled);
+        seen = render(device, larger, filled);
     } else {
-        seen = render(scene, filled);
+        seen = render(device, scene, filled);
     }
     std::vector<glm::uvec2> surfaces(seen.frame.z.size());
     for (size_t i = 0; i < surfaces.size(); ++i) {
@@ -71,11 +77,6 @@ std::vector<glm::uvec2> surfacesOf(const Scene& scene, const Prepared& p, const 
     return surfaces;
 }
 
-void checkSize(const Prepared& p) {
-    if (p.list.frame.width > gpu::kLineFrameLimit || p.list.frame.height > gpu::kLineFrameLimit)
-        throw usageError(fmt::format("--shading wire draws at most {0}x{0} samples", gpu::kLineFrameLimit));
-}
-
 // An edge belongs to an object and to no single face, and has no depth.
 struct EdgeSeen : SeenNothing {
     const DrawList& list;
@@ -89,9 +90,8 @@ struct EdgeSeen : SeenNothing {
 };
 
 // Owner -> diffuse colour of the edge's material; samples are resolved in linear light.
-void finishWire(const Prepared& p, const RenderRequest& request, std::span<const uint32_t> owners, RenderResult& result) {
-    const Stopwatch watch(&result.times, p.side > 1 ? "resolve" : "encode");
-    PlaneWriter writer(p, request, result.frame);
+void finishWire(const Prepared& p, const RenderRequest& request, std::span<const uint32_t> owners, PlaneWriter& writer,
+                RenderResult& result) {
     std::vector<float> linear(3 * owners.size());
     std::vector<int> drawn(owners.size());
     for (size_t i = 0; i < owners.size(); ++i) {
@@ -107,24 +107,15 @@ void finishWire(const Prepared& p, const RenderRequest& request, std::span<const
     if (request.wire != WireView::solid) result.counters.bands = result.counters.chunks = 1;
 }
 
-}  // namespace
-
-void drawWireCpu(const Scene& scene, const Prepared& p, const RenderRequest& request, RenderResult& result) {
-    checkSize(p);
-    const std::vector<glm::uvec2> surfaces = surfacesOf(scene, p, request, result, renderCpu);
+std::vector<uint32_t> ownersCpu(const Prepared& p, const std::vector<glm::uvec2>& surfaces) {
     std::vector<uint32_t> owners(size_t(p.list.frame.width) * size_t(p.list.frame.height), gpu::kNoEdge);
-    {
-        const Stopwatch watch(&result.times, "lines");
-        for (const DrawList::Range& r : p.list.ranges)
-            linesCpu(linesPush(p, r), p.list.edges, p.list.positions, p.list.objects, owners, {p.list.edgeFace, surfaces});
-    }
-    finishWire(p, request, owners, result);
+    for (const DrawList::Range& r : p.list.ranges)
+        linesCpu(linesPush(p, r), p.list.edges, p.list.positions, p.list.objects, owners, {p.list.edgeFace, surfaces});
+    return owners;
 }
 
-void drawWireGpu(Device& device, const Scene& scene, const Prepared& p, const RenderRequest& request, RenderResult& result) {
-    checkSize(p);
-    const std::vector<glm::uvec2> surfaces =
-        surfacesOf(scene, p, request, result, [&device](const Scene& s, const RenderRequest& r) { return renderGpu(device, s, r); });
+std::vector<uint32_t> ownersGpu(Device& device, const Prepared& p, const RenderRequest& request, const std::vector<glm::uvec2>& surfaces,
+                                RenderResult& result) {
     const DeviceLimits& limits = device.limits();
     Recorder recorder(device);
     recorder.allow(p.plan.labels(RunsOn::device));
@@ -181,7 +172,91 @@ void drawWireGpu(Device& device, const Scene& scene, const Prepared& p, const Re
     }
     const std::vector<PassTime> lines = recorder.takeTimes();
     result.times.insert(result.times.end(), lines.begin(), lines.end());
-    finishWire(p, request, all, result);
+    return all;
 }
+
+void refuseWire(const Scene& scene, const RenderRequest& request) {
+    if (request.fill == Fill::notes) refuseOtherTrade(request);
+    refuseNoZBuffer(scene);
+    refuseShapes(scene);
+    const uint64_t side = sideOf(request), limit = uint64_t(gpu::kLineFrameLimit);
+    if (request.width * side > limit || request.height * side > limit)
+        throw usageError(fmt::format("--shading wire draws at most {0}x{0} samples", gpu::kLineFrameLimit));
+}
+
+void addEdges(const Scene& scene, const RenderRequest& request, const Pinhole& view, DrawList& list) {
+    const bool solid = request.wire == WireView::solid;
+    const WireChoices choices{request.wirePerPolygon || solid, request.wire == WireView::culled};
+    for (DrawList::Range& r : list.ranges) {
+        const Object& object = scene.objects[r.sceneObject];
+        r.firstEdge = uint32_t(list.edges.size());
+        for (const WireEdge& e : wireEdges(scene.meshes[object.mesh], worldFromMesh(scene, object), view.eye, choices)) {
+            list.edges.push_back(e.vertex + r.firstVertex);
+            if (solid) list.edgeFace.push_back(r.firstFace + e.face);
+        }
+        r.edgeCount = uint32_t(list.edges.size()) - r.firstEdge;
+    }
+}
+
+Prepared prepareWire(const Scene& scene, const RenderRequest& request, RunsOn side) {
+    Preparing it(scene, request, gpu::kShadingUnlit);
+    if (request.fill == Fill::exact) it.p.list.numbers = request.trade.numbers;
+    it.dropRays(raysAskedBy(scene));
+    it.list.addObjects();
+    addEdges(scene, request, it.view, it.p.list);
+    it.addLights();
+    StepList steps(request, it.p, side);
+    if (request.wire == WireView::solid) {
+        addSurfaceSteps(steps, it.p, false);
+        if (!steps.onDevice()) {
+            steps.add("shade", "the colour that a triangle carries, at each sample");
+            steps.addColours(1, side, "");
+        }
+    }
+    steps.add("lines", "edges, pixel by pixel");
+    steps.addColours(it.p.side * it.p.side, RunsOn::host, "");
+    Plan& plan = it.p.plan;
+    if (request.wire == WireView::solid)
+        plan.choices.push_back("wire: hidden lines are removed by the filled picture's depth and faces, polygon by polygon");
+    if (request.wire == WireView::culled) plan.choices.push_back("wire: edges of polygons that face the viewer");
+    if (request.wirePerPolygon) plan.choices.push_back("edges: as often as polygons have them");
+    return it.finish();
+}
+
+class WirePicture : public PreparedPicture {
+public:
+    using PreparedPicture::PreparedPicture;
+
+private:
+    void draw(Device* device, PlaneWriter& writer, RenderResult& result) override {
+        const std::vector<glm::uvec2> surfaces = surfacesOf(device, scene_, p_, request_, result);
+        std::vector<uint32_t> owners;
+        if (device != nullptr) {
+            owners = ownersGpu(*device, p_, request_, surfaces, result);
+        } else {
+            const StepBody twin[] = {{"lines", [&] { owners = ownersCpu(p_, surfaces); }}};
+            walk(p_.plan, result.times, twin);
+        }
+        // A filled picture under the lines may have an "encode" of its own.
+        const StepBody host[] = {{p_.side > 1 ? "resolve" : "encode", [&] { finishWire(p_, request_, owners, writer, result); }}};
+        walk(p_.plan, result.times, host);
+    }
+};
+
+std::unique_ptr<PreparedPicture> pictureOf(const Scene& scene, const RenderRequest& request, Prepared prepared) {
+    return std::make_unique<WirePicture>(scene, request, std::move(prepared));
+}
+
+}  // namespace
+
+const Technique kWire = {
+    .name = "wire",
+    .refuse = refuseWire,
+    .prepare = prepareWire,
+    .picture = pictureOf,
+    .leavesToRays = raysAskedBy,
+    .planes = kPlanesOfLines,
+    .vertices = Technique::Vertices::linesPass,
+};
 
 }  // namespace plumb

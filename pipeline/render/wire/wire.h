@@ -2,11 +2,10 @@
 // Wire frames: the lines pass on either side, then one piece of host code that turns edge owners into pixels.
 #pragma once
 
-#include "pipeline/render/prepare.h"
+#include "pipeline/render/technique.h"
 
 namespace plumb {
 
-void drawWireCpu(const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
-void drawWireGpu(Device& device, const Scene& scene, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
+extern const Technique kWire;
 
 }  // namespace plumb

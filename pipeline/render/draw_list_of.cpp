@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/render/draw_list_of.h"
+
+#include "pipeline/passes/long_rows.h"
+#include "pipeline/scene/flattened.h"
+#include "pipeline/scene/text.h"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace plumb {
+
+namespace {
+
+// Adjugate transpose, turned round for a matrix that mirrors: proportional to the inverse transpose, defined for singular matrices too.
+// Scaled by a power of two so that its largest entry is in [0.5, 1).
+glm::dmat3 normalMatrix(const glm::dmat3& m, bool mirrored) {
+    glm::dmat3 c;
+    c[0] = glm::cross(m[1], m[2]);
+    c[1] = glm::cross(m[2], m[0]);
+    c[2] = glm::cross(m[0], m[1]);
+    double largest = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) largest = std::max(largest, std::abs(c[i][j]));
+    if (largest > 0) {
+        int exponent = 0;
+        std::frexp(largest, &exponent);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) c[i][j] = std::ldexp(c[i][j], -exponent) * (mirrored ? -1 : 1);
+    }
+    return c;
+}
+
+gpu::LongRecord longRecordOf(const glm::dmat4& worldFromMesh, const TriangleMesh& mesh, const Pinhole& v) {
+    const glm::dmat4 m = v.viewedFromMesh(worldFromMesh);
+    double reach = 0;
+    for (int i = 0; i < 3; ++i) reach = std::max({reach, std::abs(double(mesh.boundsMin[i])), std::abs(double(mesh.boundsMax[i]))});
+    const int exponent = blockExponent(reach);
+    const auto row = [&](const glm::dvec3& axis, double scale) {
+        glm::dvec4 r;
+        for (int i = 0; i < 4; ++i) r[i] = scale * glm::dot(axis, glm::dvec3(m[i]));
+        return longRow(r, exponent);
+    };
+    return {row(v.right, v.focal), row(v.down, v.focal), row(v.forward, 1), float(std::ldexp(1.0, -exponent))};
+}
+
+gpu::ObjectRecord recordOf(const glm::dmat4& worldFromMesh, const Pinhole& v) {
+    const glm::dmat4 m = v.viewedFromMesh(worldFromMesh);  // rounded once:
+    const auto row = [&](const glm::dvec3& axis, double scale) {
+        glm::vec4 r;
+        for (int i = 0; i < 4; ++i) {
+            const double exact = scale * glm::dot(axis, glm::dvec3(m[i]));
+            r[i] = std::abs(exact) < std::numeric_limits<float>::min() ? 0.0f : float(exact);  // no denormals (docs/accuracy.md)
+        }
+        return r;
+    };
+    gpu::ObjectRecord o{};
+    o.rowX = row(v.right, v.focal);
+    o.rowY = row(v.down, v.focal);
+    o.rowW = row(v.forward, 1);
+    o.world0 = row({1, 0, 0}, 1);
+    o.world1 = row({0, 1, 0}, 1);
+    o.world2 = row({0, 0, 1}, 1);
+    const glm::dmat3 m3(m);
+    const glm::dmat3 n = normalMatrix(m3, mirrors(m));
+    const auto normalRow = [&](int i) { return glm::vec4(float(n[0][i]), float(n[1][i]), float(n[2][i]), 0.0f); };
+    o.normal0 = normalRow(0);
+    o.normal1 = normalRow(1);
+    o.normal2 = normalRow(2);
+    return o;
+}
+
+// All eight corners of the box beyond one side of the view, by a margin that covers the rounding of the passes (a pixel).
+bool outsideView(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh, const Pinhole& v) {
+    int beyond[5] = {0, 0, 0, 0, 0};
+    for (int i = 0; i < 8; ++i) {
+        const glm::dvec3 corner(i & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, i & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
+                                i & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
+        const glm::dvec3 p = glm::dvec3(worldFromMesh * glm::dvec4(corner, 1)) - v.eye;
+        const double x = glm::dot(v.right, p) * v.focal, y = glm::dot(v.down, p) * v.focal, w = glm::dot(v.forward, p);
+        const double halfX = v.width / 2 + 1, halfY = v.height / 2 + 1;
+        beyond[0] += w < v.near * (1 - 1e-6);
+        beyond[1] += x + halfX * w < -1e-5 * halfX * std::abs(w);
+        beyond[2] += halfX * w - x < -1e-5 * halfX * std::abs(w);
+        beyond[3] += y + halfY * w < -1e-5 * halfY * std::abs(w);
+        beyond[4] += halfY * w - y < -1e-5 * halfY * std::abs(w);
+    }
+    for (int side : beyond)
+        if (side == 8) return true;
+    return false;
+}
+
+void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double focal, const std::string& place) {
+    const auto reach = [&](const glm::vec4& row) {
+        double sum = std::abs(double(row.w));
+        for (int i = 0; i < 3; ++i) sum += std::abs(double(row[i])) * std::max(std::abs(mesh.boundsMin[i]), std::abs(mesh.boundsMax[i]));
+        return sum;
+    };
+    bool near = reach(o.rowX) <= kFarthest * focal && reach(o.rowY) <= kFarthest * focal;
+    for (const glm::vec4& row : {o.rowW, o.world0, o.world1, o.world2}) near &= reach(row) <= kFarthest;
+    if (!near)
+        throw inputError(place,
+                         "it reaches further from the eye than 2^60 times the near plane: move the object or the camera, or change the "
+                         "scale or the near plane");
+}
+
+// A point light as the framed centre sees it: one direction, and what reaches that place.
+Light lampFromCentre(const Light& light, const Camera& camera) {
+    if (light.directional) return light;
+    const glm::dvec3 toLamp = light.position - (camera.eye + camera.forward * camera.focusDistance);
+    const double distance = glm::length(toLamp);
+    if (!(distance > 0)) return light;  // it stands there: no direction
+    Light far = light;
+    far.directional = true;
+    far.direction = toLamp;
+    far.attenuation = Attenuation::none;
+    far.intensity = glm::vec3(glm::dvec3(light.intensity) / std::pow(distance, int(light.attenuation)));
+    return far;
+}
+
+}  // namespace
+
+ListBuilder::ListBuilder(const Scene& scene, const RenderRequest& request, const Pinhole& view, Prepared& prepared)
+    : scene_(scene), request_(request), view_(view), p_(prepared), list_(prepared.list), slots_(scene.materials.size(), kNone) {}
+
+void ListBuilder::addObjects() {
+    for (uint32_t i = 0; i < scene_.objects.size(); ++i) {
+        const Object& object = scene_.objects[i];
+        const TriangleMesh& mesh = scene_.meshes[object.mesh];
+        p_.counters.vertices += mesh.positions.size();
+        p_.counters.triangles += mesh.triangles.size();
+        if (!request_.keepEverything && outsideView(mesh, worldFromMesh(scene_, object), view_))
+            p_.plan.dropped.push_back(
+                {fmt::format("object {}", object.name.empty() ? std::to_string(i) : object.name), "outside the view"});
+        else
+            addObject(i);
+    }
+    p_.counters.objectsDrawn = list_.ranges.size();
+}
+
+void ListBuilder::addSphereMaterials() {
+    for (const SphereShape& sphere : scene_.spheres) list_.sphereMaterial.push_back(slotOf(sphere.material));
+}
+
+uint32_t ListBuilder::slotOf(uint32_t material) {
+    PLUMB_ASSERT(material < scene_.materials.size());
+    uint32_t& slot = slots_[material];
+    if (slot == kNone) {
+        slot = uint32_t(list_.materials.size());
+        const Material& m = scene_.materials[material];
+        const glm::vec3 base = m.ambient * scene_.ambient + m.emission;
+        // Unlit draws what a surface shows without a light: its own colour and what it emits.
+        const bool unlit = request_.shading == Shading::unlit;
+        list_.materials.push_back(
+            {base, m.shininess, unlit ? m.diffuse + m.emission : m.diffuse, m.shininess == 0 ? 1.0f : 0.0f, m.specular, 0.0f});
+    }
+    return slot;
+}
+
+void ListBuilder::addObject(uint32_t index) {
+    const Object& object = scene_.objects[index];
+    const TriangleMesh& mesh = scene_.meshes[object.mesh];
+    DrawList::Range r;
+    r.sceneObject = index;
+    r.record = uint32_t(list_.objects.size());
+    r.firstVertex = uint32_t(list_.positions.size());
+    r.vertexCount = uint32_t(mesh.positions.size());
+    r.firstTriangle = uint32_t(list_.triangles.size());
+    r.triangleCount = uint32_t(mesh.triangles.size());
+    r.firstFace = uint32_t(list_.facePositions.size());
+    r.faceCount = uint32_t(mesh.faceCentre.size());
+    if (list_.positions.size() + mesh.positions.size() > 0x7fffffffu || list_.triangles.size() + mesh.triangles.size() > 0x7fffffffu)
+        throw inputError(scene_.path, "the scene has more than 2^31 vertices or triangles");
+    const glm::dmat4 toWorld = worldFromMesh(scene_, object);
+    list_.objects.push_back(recordOf(toWorld, view_));
+    if (list_.numbers != Numbers::fp32) list_.longs.push_back(longRecordOf(toWorld, mesh, view_));
+    checkReach(list_.objects.back(), mesh, view_.focal, placeOfPart(object.place, scene_.path, "object", object.name));
+    addStreams(mesh);
+    addFaces(mesh, toWorld);
+    // Front faces run counter-clockwise as seen in a right-handed world, clockwise in a left-handed one; a mirror swaps.
+    const bool swap = scene_.leftHanded != mirrors(toWorld);
+    for (const TriangleMesh::Triangle& t : mesh.triangles) {
+        list_.triangles.emplace_back(r.firstVertex + t.vertex[0], r.firstVertex + t.vertex[swap ? 2 : 1],
+                                     r.firstVertex + t.vertex[swap ? 1 : 2], slotOf(mesh.faceMaterial[t.face]));
+        list_.triangleFace.push_back(r.firstFace + t.face);
+    }
+    list_.ranges.push_back(r);
+}
+
+void ListBuilder::addStreams(const TriangleMesh& mesh) {
+    for (size_t i = 0; i < mesh.positions.size(); ++i) {
+        list_.positions.emplace_back(mesh.positions[i], 1.0f);
+        list_.normals.emplace_back(mesh.normals[i], 0.0f);
+        list_.vertexMaterial.push_back(slotOf(mesh.vertexMaterial[i]));
+    }
+}
+
+void ListBuilder::addFaces(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh) {
+    const glm::dmat4 viewed = view_.viewedFromMesh(worldFromMesh);
+    for (size_t f = 0; f < mesh.faceCentre.size(); ++f) {
+        list_.facePositions.emplace_back(mesh.faceCentre[f], 1.0f);
+        list_.faceNormals.emplace_back(mesh.faceNormal[f], 0.0f);
+        list_.faceMaterial.push_back(slotOf(mesh.faceMaterial[f]));
+        list_.facePrimitive.push_back(uint32_t(f));
+        if (request_.trade.vectors != Trade::Vectors::face) continue;
+        glm::vec4 place(viewed * glm::dvec4(mesh.faceCentre[f], 1));
+        for (int i = 0; i < 3; ++i)
+            if (std::abs(place[i]) < std::numeric_limits<float>::min()) place[i] = 0;
+        list_.facePlaces.push_back(place);
+    }
+}
+
+void ListBuilder::addLights() {
+    for (const Light& stated : scene_.lights) addLight(stated);
+}
+
+void ListBuilder::addLight(const Light& stated) {
+    const Light light = request_.trade.vectors == Trade::Vectors::scene ? lampFromCentre(stated, *scene_.camera) : stated;
+    if (light.intensity == glm::vec3(0) && !request_.keepEverything) {
+        p_.plan.dropped.push_back({"light", "its intensity is 0"});
+        return;
+    }
+    gpu::LightRecord l{};
+    // Attenuation by 1/d^p with d in the passes' units: the intensity takes unit^p, a power of two.
+    const double fade = light.directional ? 1 : std::pow(view_.unit, int(light.attenuation));
+    for (int i = 0; i < 3; ++i) {
+        const double intensity = light.intensity[i] * fade;
+        l.intensity[i] = intensity < std::numeric_limits<float>::min() ? 0.0f : float(intensity);
+    }
+    l.attenuation = float(int(light.attenuation));
+    l.kind = light.directional ? 0.0f : 1.0f;
+    l.place = light.directional ? glm::vec3(glm::normalize(light.direction)) : glm::vec3((light.position - view_.eye) * view_.unit);
+    const auto refuse = [&](const char* why) { throw inputError(placeOfPart(stated.place, scene_.path, "light", ""), why); };
+    if (!light.directional && !(glm::length(glm::dvec3(l.place)) <= kFarthest))
+        refuse("a point light is further from the eye than 2^60 times the near plane");
+    if (!(std::max({l.intensity.x, l.intensity.y, l.intensity.z}) <= 0x1p100f))
+        refuse(
+            "a point light with attenuation is brighter than 2^100 at the near plane's distance: change its intensity or the near plane");
+    list_.lights.push_back(l);
+}
+
+}  // namespace plumb

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/render/raster/raster.h"
+
+#include "pipeline/render/preparing.h"
+#include "pipeline/render/raster/device_render.h"
+#include "pipeline/render/raster/stages.h"
+#include "pipeline/render/raster/twin_render.h"
+#include "pipeline/render/rays/rays.h"
+
+#include <fmt/core.h>
+#include <memory>
+#include <utility>
+
+namespace plumb {
+
+namespace {
+
+using Vectors = Trade::Vectors;
+bool hasOwnVectors(const Trade& trade) { return trade.vectors == Vectors::face || trade.vectors == Vectors::vertex; }
+
+void refuseRaster(const Scene& scene, const RenderRequest& request) {
+    refuseNoZBuffer(scene);
+    refuseShapes(scene);
+    const Trade& trade = request.trade;
+    if (request.shading != Shading::phong || !hasOwnVectors(trade)) return;
+    const char* which = trade.vectors == Vectors::face ? "face" : "vertex";
+    if (trade.coarse) throw usageError(fmt::format("light-vector={} shades every pixel: leave rate=1/2 out", which));
+    if (trade.native())
+        throw usageError(
+            fmt::format("light-vector={} takes none of the device's own functions: leave specular=native and encode=native out", which));
+}
+
+// How pixels are shaded, where they are.
+void chooseAtPixels(const Trade& trade, Prepared& p) {
+    const bool atPixels = p.choices.shading == gpu::kShadingPhong;
+    p.choices.unitNormals = trade.unitNormals || !atPixels;
+    p.choices.coarse = trade.coarse && atPixels;
+    if (!atPixels || !hasOwnVectors(trade)) return;
+    if (!p.list.lights.empty() && (p.choices.parts.diffuse || p.choices.parts.specular))
+        p.choices.vectors = trade.vectors == Vectors::face ? gpu::kVectorsFace : gpu::kVectorsVertex;
+}
+
+void planSteps(const RenderRequest& request, RunsOn side, Prepared& p) {
+    if (p.list.triangles.empty()) return p.plan.dropped.push_back({"every pass", "nothing to draw"});
+    StepList steps(request, p, side);
+    addSurfaceSteps(steps, p, true);
+    const char* shades =
+        p.choices.shading == gpu::kShadingPhong ? "illumination at each sample" : "the colour that a triangle carries, at each sample";
+    if (steps.onDevice())
+        steps.addFused("shade", "fill", shades);
+    else
+        steps.add("shade", shades);
+    steps.addColours(p.side * p.side, side, steps.onDevice() ? "fill" : "");
+}
+
+Prepared prepareRaster(const Scene& scene, const RenderRequest& request, RunsOn side) {
+    Preparing it(scene, request, shadingOf(request));
+    it.p.list.numbers = request.trade.numbers;
+    it.dropRays(raysAskedBy(scene));
+    it.list.addObjects();
+    it.addLights();
+    it.leaveOut();
+    chooseAtPixels(request.trade, it.p);
+    planSteps(request, side, it.p);
+    if (it.p.choices.shading != gpu::kShadingPhong) it.p.plan.dropped.push_back({"normals", "no pixel is shaded by its normal"});
+    return it.finish();
+}
+
+class RasterPicture : public PreparedPicture {
+public:
+    using PreparedPicture::PreparedPicture;
+    std::unique_ptr<ResidentPicture> stay(Device& device) override {
+        return DeviceRender::staysInPlace(p_) ? std::make_unique<DeviceRender>(device, p_, request_) : nullptr;
+    }
+    void verifyStages(Device& device, StageCheck& check) override { verifyRasterStages(device, p_, request_, check); }
+
+private:
+    void draw(Device* device, PlaneWriter& writer, RenderResult& result) override {
+        if (device != nullptr)
+            DeviceRender(*device, p_, request_).draw(writer, result);
+        else if (p_.list.triangles.empty())  // the picture is the background, which the writer has put there
+            result.counters.bands = result.counters.chunks = 1;
+        else
+            drawRasterCpu(p_, request_, writer, result);
+    }
+};
+
+std::unique_ptr<PreparedPicture> pictureOf(const Scene& scene, const RenderRequest& request, Prepared prepared) {
+    return std::make_unique<RasterPicture>(scene, request, std::move(prepared));
+}
+
+}  // namespace
+
+const Technique kRaster = {
+    .name = "raster",
+    .refuse = refuseRaster,
+    .prepare = prepareRaster,
+    .picture = pictureOf,
+    .leavesToRays = raysAskedBy,
+    .planes = kPlanesOfLines | kPlanesOfSurfaces | kPlaneTriangle,
+    .vertices = Technique::Vertices::transformPass,
+};
+
+void addSurfaceSteps(StepList& steps, const Prepared& p, bool illuminated) {
+    if (steps.onDevice()) steps.add("clear", "tiles that no triangle touches show the background");
+    steps.add("transform", "vertices from object space to the screen");
+    if (illuminated) steps.addIllumination();
+    steps.add("cull", p.list.cullBackFaces ? "triangles that face away or lie outside the view are left out"
+                                           : "triangles that lie outside the view are left out");
+    steps.add("setup", steps.onDevice() ? "drawn triangles are listed, small ones in their tiles" : "drawn triangles are listed");
+    if (steps.onDevice()) {
+        steps.add("clip", "triangles that cross the near plane or leave the guard band are cut");
+        steps.add("bin", "medium triangles are listed in their tiles");
+        steps.add("bin strips", "large triangles are listed in their tiles, strip by strip");
+    } else {
+        steps.addFused("clip", "setup", "triangles that cross the near plane or leave the guard band are cut");
+    }
+    steps.add("fill", "the nearest triangle of each sample");
+}
+
+}  // namespace plumb

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// What verify holds against each other, bit for bit or within the bound of the device's own functions, and where it writes down what differs.
+#pragma once
+
+#include "pipeline/render/render.h"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace plumb {
+
+// Distance in representable floats; the sign bit is folded so that -0 and +0 are 0 apart.
+uint64_t ulpDistance(float a, float b);
+
+// True when every bit is the same: -0 is not +0, and a NaN equals itself only bit for bit.
+template <class T>
+bool sameBits(const T& a, const T& b) {
+    const auto x = std::as_bytes(std::span<const T>(&a, 1)), y = std::as_bytes(std::span<const T>(&b, 1));
+    return std::equal(x.begin(), x.end(), y.begin());
+}
+
+class StageCheck {
+public:
+    // Adds to report.passes and report.mismatches; its bound is that of the report.
+    explicit StageCheck(VerifyReport& report) : report_(report) {}
+
+    // What a pass left on both sides. `element`: what one of them is called.
+    template <class T>
+    void compare(const char* pass, const char* element, std::span<const T> want, std::span<const T> got) {
+        const int64_t at = firstDifference(want, got);
+        if (at < 0) return equal(pass);
+        std::string what = fmt::format("{} {}: ", element, at);
+        if (size_t(at) < want.size() && size_t(at) < got.size())
+            what += fmt::format("twin has words {}, device has {}", wordsOf(want[size_t(at)]), wordsOf(got[size_t(at)]));
+        else
+            what += fmt::format("twin has {} of them, device has {}", want.size(), got.size());
+        differs(pass, what);
+    }
+    // Colours of the pass illuminate, which may be as far apart as the bound.
+    void compareColours(const char* element, std::span<const glm::vec4> want, std::span<const glm::vec4> got);
+    // True for the same bits, or values as near as the device's own functions must be.
+    bool asNear(float twin, float device, size_t channel) const;
+
+    void equal(const char* pass);
+    void differs(const char* pass, const std::string& what);
+
+private:
+    // The first differing element of two arrays of plain structs, or -1.
+    template <class T>
+    static int64_t firstDifference(std::span<const T> want, std::span<const T> got) {
+        if (want.size() != got.size()) return int64_t(std::min(want.size(), got.size()));
+        for (size_t i = 0; i < want.size(); ++i)
+            if (!sameBits(want[i], got[i])) return int64_t(i);
+        return -1;
+    }
+    template <class T>
+    static std::string wordsOf(const T& value) {
+        std::string text;
+        const auto* words = reinterpret_cast<const uint32_t*>(&value);
+        for (size_t i = 0; i < sizeof(T) / 4; ++i) text += fmt::format("{}{:08x}", i ? " " : "", words[i]);
+        return text;
+    }
+    std::pair<std::string, bool>& entryOf(const char* pass);
+
+    VerifyReport& report_;
+};
+
+}  // namespace plumb
