@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <glm/glm.hpp>
+#include <memory>
 
 namespace plumb {
 

@@ -14,6 +14,9 @@
 
 namespace plumb {
 
+// The planes that show what is seen at a pixel: all but its colours.
+inline constexpr uint32_t kPlanesSeen = ~uint32_t(kPlaneColour | kPlaneLinear);
+
 // What the planes show of a pixel where nothing is drawn. A way to draw derives its own from it and hides the functions whose answers it knows; only
 // those of planes that are asked for are called. The calls are resolved when the writer is compiled: there is no virtual call a pixel.
 struct SeenNothing {
@@ -70,7 +73,7 @@ public:
     // Every other plane. seenAt(x, y, sample) is what the sample that stands for pixel (x, y) of these rows shows, asked where it is drawn.
     template <class Word, class SeenAt>
     void takeSeen(uint32_t firstRow, uint32_t rows, const SampleLayout& layout, std::span<const Word> drawn, const SeenAt& seenAt) {
-        if (!wants(~uint32_t(kPlaneColour | kPlaneLinear))) return;
+        if (!wants(kPlanesSeen)) return;
         for (uint32_t y = 0; y < rows; ++y)
             for (uint32_t x = 0; x < prepared_.width; ++x) {
                 const size_t sample = layout.standingFor(x, y);

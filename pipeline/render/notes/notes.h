@@ -3,21 +3,9 @@
 // code in binary64, the same for device and twin; illumination and fill are passes on either side.
 #pragma once
 
-#include "pipeline/passes/scanline.h"
-#include "pipeline/render/prepare.h"
 #include "pipeline/render/technique.h"
 
-#include <cstdint>
-
 namespace plumb {
-
-// A polygon of the list: where it comes from.
-struct NotesPolygon {
-    uint32_t range;     // of the draw list
-    uint32_t face;      // of its mesh
-    uint32_t triangle;  // the face's first, of the scene
-    uint32_t material;
-};
 
 extern const Technique kPolygons;
 

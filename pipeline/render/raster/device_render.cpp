@@ -25,8 +25,7 @@ void addCounts(const GpuFrame& frame, RenderCounters& c) {
 // What the kernel must leave for the planes that were asked for, and for resolving.
 uint32_t fillPlanes(const Prepared& p, const RenderRequest& request) {
     uint32_t planes = 0;
-    if (request.planes & (kPlaneDepth | kPlaneDistance | kPlaneNormal | kPlaneObject | kPlanePrimitive | kPlaneZ | kPlaneTriangle))
-        planes |= gpu::kFillPlaneZ | gpu::kFillPlaneTriangle;
+    if (request.planes & kPlanesSeen) planes |= gpu::kFillPlaneZ | gpu::kFillPlaneTriangle;
     if (request.planes & kPlaneLinear) planes |= gpu::kFillPlaneLinear | gpu::kFillPlaneZ;
     if (request.planes & kPlaneNormal) planes |= gpu::kFillPlaneNormal;
     if (p.side > 1) planes |= gpu::kFillPlaneZ | gpu::kFillPlaneLinear;

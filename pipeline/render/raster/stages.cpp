@@ -18,7 +18,7 @@ namespace plumb {
 
 namespace {
 
-// Those of the chain's planes, so that both take the same kernels; the first three are compared.
+// Planes of the whole chain, so that stages and chain take the same kernels. The first three are compared.
 constexpr uint32_t kPlanes = gpu::kFillPlaneZ | gpu::kFillPlaneTriangle | gpu::kFillPlaneLinear | gpu::kFillPlaneNormal;
 
 class RasterStages {

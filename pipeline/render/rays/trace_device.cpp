@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
 // A traced picture on the device: bands of rows, each in dispatches that stay short.
-#include "pipeline/passes/encode.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
-#include "pipeline/render/rays/trace_samples.h"
+#include "pipeline/render/rays/trace_dispatches.h"
 
-#include <fmt/core.h>
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -20,18 +17,6 @@ namespace plumb {
 
 namespace {
 
-// lavapipe ends loops after 65,535 iterations of a subgroup, without a word.
-constexpr uint64_t kLoopLimit = 60000;
-// A dispatch cannot be cancelled, so it is to end within a tenth of a second. Object tests of the first one, at some 4 ns each on two cores; then the
-// number of samples follows the time that the last dispatch took. Where a picture is cut changes no bit of it.
-constexpr uint64_t kFirstWork = uint64_t(1) << 22;
-constexpr double kLongMs = 60, kShortMs = 25;
-constexpr uint64_t kUsualRays = 3;  // of a sample, when that is estimated
-constexpr uint64_t kUsualNodes = 100;
-constexpr uint64_t kLeastSamples = 256, kMostSamples = uint64_t(1) << 22;
-constexpr uint32_t kListedRaysPerDispatch = 32;
-constexpr uint64_t kWaitingBytes = uint64_t(64) << 20;
-
 class DeviceTrace : public ResidentPicture {
 public:
     DeviceTrace(Device& device, const Prepared& p, const Scene& scene, const RenderRequest& request)
@@ -39,43 +24,24 @@ public:
           p_(p),
           request_(request),
           grid_(sampleGridOf(p, request)),
-          traced_(traceSceneOf(scene, p)),
-          choices_(traceChoicesOf(scene, request, p, traced_)),
-          push_(tracePushOf(p, request, traced_)),
           recorder_(device),
+          dispatches_(device, recorder_, p, scene, request),
+          choices_(dispatches_.choices()),
+          push_(dispatches_.push()),
+          buffers_(dispatches_.buffers()),
           seen_(p, scene, request, grid_),
-          counted_(p.counters),
-          counters_(gpu::kCounters) {
+          counted_(p.counters) {
         recorder_.allow(p.plan.labels(RunsOn::device));
-        const uint64_t steps = stepsOfRay(traced_);
-        if (steps > kLoopLimit)
-            throw inputError(scene.path, fmt::format("{} spheres and planes with {} lights need {} loop steps a ray; a device takes {}",
-                                                     traced_.surfaces.size(), traced_.lights.size(), steps, kLoopLimit));
-        choices_.list |= steps * push_.maxDepth > kLoopLimit;
-        if (choices_.list && choices_.cutLevels)
-            throw inputError(scene.path, fmt::format("--levels cut keeps a whole path at once: {} rays of {} loop "
-                                                     "steps are more than the {} of a device",
-                                                     push_.maxDepth, steps, kLoopLimit));
-        if (choices_.list) {
-            push_.rayLimit = uint32_t(std::clamp<uint64_t>(kLoopLimit / steps, 1, kListedRaysPerDispatch));
-            if (request.rayLimit) push_.rayLimit = std::min(push_.rayLimit, request.rayLimit);
-        }
-        // A ray opens some hundred nodes of a tree, a node costs as much as an object.
-        const uint64_t work = steps + (traced_.nodes.empty() ? 0 : kUsualNodes * (1 + traced_.lights.size()));
-        if (choices_.list) mostSamples_ = listedSamples();
-        samples_ = std::clamp<uint64_t>(kFirstWork / (work * std::min<uint64_t>(push_.maxDepth, kUsualRays)), kLeastSamples, mostSamples_);
-        choices_.lanes = device.limits().subgroupShuffle ? device.limits().subgroupSize : 0;
         choices_.colour = !resolves();
         choices_.planes = resolves() ? gpu::kTracePlaneDistance | gpu::kTracePlaneLinear : 0u;
-        if (request.planes & (kPlaneDepth | kPlaneDistance | kPlaneZ | kPlaneObject | kPlanePrimitive | kPlaneNormal))
-            choices_.planes |= gpu::kTracePlaneDistance | gpu::kTracePlaneObject;
+        if (request.planes & kPlanesSeen) choices_.planes |= gpu::kTracePlaneDistance | gpu::kTracePlaneObject;
         if (request.planes & kPlaneLinear) choices_.planes |= gpu::kTracePlaneLinear | gpu::kTracePlaneDistance;
         if (request.planes & kPlaneNormal) choices_.planes |= gpu::kTracePlaneNormal;
         slots_ = slotsOf(choices_.planes);
     }
 
     void draw(PlaneWriter& writer, RenderResult& result) {
-        upload();
+        dispatches_.upload();
         const uint64_t bandRows = rowsOfBand();
         for (uint32_t first = 0; first < p_.height; first += uint32_t(bandRows)) {
             band(first, uint32_t(std::min<uint64_t>(bandRows, p_.height - first)), writer, result.frame);
@@ -88,9 +54,9 @@ public:
 
     // One band of one sample a pixel, left where the device wrote it.
     bool draw() override {
-        if (!buffers_.spheres) upload();
+        if (!dispatches_.uploaded()) dispatches_.upload();
         if (resolves() || rowsOfBand() < p_.height) return false;
-        std::fill(counters_.begin(), counters_.end(), 0);
+        std::fill(dispatches_.counters().begin(), dispatches_.counters().end(), 0);
         traceBand(0, p_.height);
         counted_.rays.clear();
         counted_.undecidedRays = 0;
@@ -113,8 +79,8 @@ private:
     }
 
     void countRays() {
-        addRayCounts(counters_, push_.maxDepth, counted_);
-        countParts(traced_, counted_);
+        addRayCounts(dispatches_.counters(), push_.maxDepth, counted_);
+        countParts(dispatches_.scene(), counted_);
     }
 
     static uint32_t slotsOf(uint32_t planes) {
@@ -122,32 +88,6 @@ private:
                (planes & gpu::kTracePlaneLinear ? 3u : 0u) + (planes & gpu::kTracePlaneNormal ? 3u : 0u);
     }
     bool resolves() const { return grid_.side > 1; }
-
-    template <class T>
-    void put(Buffer<T>& buffer, const std::vector<T>& from, const char* name) {
-        buffer.reserve(device_, std::max<size_t>(from.size(), 1), name);
-        buffer.fill(0);
-        buffer.upload(from);
-    }
-    void upload() {
-        put(buffers_.spheres, traced_.spheres, "spheres");
-        put(buffers_.powers, traced_.powers, "powers of the eye");
-        put(buffers_.planes, traced_.planes, "planes of the scene");
-        put(buffers_.surfaces, traced_.surfaces, "surfaces");
-        put(buffers_.materials, traced_.materials, "materials");
-        put(buffers_.lights, traced_.lights, "lights");
-        put(buffers_.corners, traced_.corners, "corners");
-        put(buffers_.triangles, traced_.triangles, "triangles");
-        put(buffers_.nodes, traced_.nodes, "tree");
-        put(buffers_.leaves, traced_.leaves, "leaves of the tree");
-        put(buffers_.encodeTable, srgbBucketTable(), "encode table");
-        put(buffers_.pixels, std::vector<uint32_t>(1), "pixels to refine");
-        buffers_.counters.reserve(device_, gpu::kCounters, "ray counters");
-        buffers_.counters.fill(0);
-        if (choices_.list) return reserveList();
-        buffers_.waiting.reserve(device_, 1, "waiting rays");
-        buffers_.states.reserve(device_, 1, "states of samples");
-    }
 
     void band(uint32_t firstRow, uint32_t rows, PlaneWriter& writer, Frame& out) {
         traceBand(firstRow, rows);
@@ -174,79 +114,7 @@ private:
                         buffers_.planeWords.span().begin() + ptrdiff_t(size_t(slot) * push_.planeWords));
         const uint64_t begin = (uint64_t(push_.firstRow) + shared) * grid_.width,
                        end = (uint64_t(push_.firstRow) + sampleRows) * grid_.width;
-        trace(push_, choices_, begin, end, double(grid_.height) * grid_.width);
-    }
-
-    // Samples [begin, end) of a frame of `all`, until none has a ray waiting.
-    void trace(gpu::TracePush& push, TraceChoices choices, uint64_t begin, uint64_t end, double all) {
-        for (uint64_t at = begin, count = 0; at < end; at += count) {
-            // Whole rows in tiles, where a dispatch has eight of them: the rays of a subgroup then stay close together. What is less ends with a
-            // row where it can, so that tiles may follow.
-            const uint64_t row = push.width, into = at % row;
-            choices.tiles = !choices.list && choices.pixels.empty() && into == 0 && samples_ >= 8 * row;
-            count = samples_ >= row ? samples_ / row * row - into : std::min(samples_, row - into);
-            if (choices.tiles) count = samples_ / (8 * row) * (8 * row);
-            count = std::min(count, end - at);
-            push.firstItem = uint32_t(at);
-            push.itemCount = uint32_t(count);
-            push.tileRows = uint32_t(count / push.width);
-            const uint32_t tileRows = 2 * samplesOfInvocation(push, traced_, choices);
-            if (choices.tiles) push.itemCount = (push.width + 3) / 4 * ((push.tileRows + tileRows - 1) / tileRows) * 8;
-            push.first = 1;
-            reportTrace(request_, double(at) / all);
-            const std::vector<uint64_t> counted = counters_;
-            try {
-                adapt(dispatches(push, choices), count);
-            } catch (const LoopBudgetError&) {
-                if (!shorten(push, choices)) throw;
-                counters_ = counted;
-                buffers_.counters.fill(0);
-                count = 0;
-            }
-        }
-    }
-    // From the eye until no sample has a ray waiting. Milliseconds of the longest dispatch.
-    double dispatches(gpu::TracePush& push, const TraceChoices& choices) {
-        double longestMs = 0;
-        for (uint32_t unfinished = 1; unfinished != 0; push.first = 0) {
-            recordTrace(recorder_, push, traced_, choices, {}, buffers_);
-            const auto start = std::chrono::steady_clock::now();
-            recorder_.run(request_.watchdogMs);
-            longestMs = std::max(longestMs, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-            const std::span<uint32_t> words = buffers_.counters.span();
-            unfinished = words[gpu::kCountUnfinished];
-            for (size_t i = 0; i < counters_.size(); ++i) counters_[i] += words[i];
-            buffers_.counters.fill(0);
-        }
-        return longestMs;
-    }
-    // How many steps the walks of a path take together is not known before. Where they were too many, a sample follows fewer rays in a
-    // dispatch from here on, and the others wait in its list; false where it follows one already, or keeps whole paths.
-    bool shorten(gpu::TracePush& push, TraceChoices& choices) {
-        if (choices.cutLevels || (choices.list && push.rayLimit == 1)) return false;
-        push_.rayLimit = push.rayLimit = std::max(1u, std::min(push.rayLimit, kListedRaysPerDispatch) / 2);
-        choices_.list = choices.list = true;
-        choices.tiles = false;
-        reserveList();
-        samples_ = std::min(samples_, mostSamples_);
-        return true;
-    }
-    uint64_t listedSamples() const {
-        return std::max<uint64_t>(kLeastSamples, kWaitingBytes / (4ull * gpu::kWaitingWords * push_.maxDepth));
-    }
-    void reserveList() {
-        mostSamples_ = listedSamples();
-        buffers_.waiting.reserve(device_, mostSamples_ * gpu::kWaitingWords * push_.maxDepth, "waiting rays");
-        buffers_.states.reserve(device_, mostSamples_ * gpu::kStateWords, "states of samples");
-    }
-    // The first dispatch of a kernel has it compiled and says nothing about its samples.
-    void adapt(double longestMs, uint64_t count) {
-        if (!warm_)
-            warm_ = true;
-        else if (longestMs > kLongMs)
-            samples_ = std::max(kLeastSamples, samples_ / 2);
-        else if (longestMs < kShortMs && count * 2 > samples_)
-            samples_ = std::min(mostSamples_, samples_ * 2);
+        dispatches_.trace(push_, choices_, begin, end, double(grid_.height) * grid_.width);
     }
 
     void resolve(const gpu::TracePush& traced, const TraceChoices& choices, uint32_t side, uint32_t stride, uint32_t width, uint32_t rows) {
@@ -325,11 +193,11 @@ private:
             const std::vector<uint32_t> some(pixels.begin() + ptrdiff_t(first),
                                              pixels.begin() + ptrdiff_t(std::min(pixels.size(), first + chunk)));
             const auto count = uint32_t(some.size());
-            put(buffers_.pixels, some, "pixels to refine");
+            dispatches_.put(buffers_.pixels, some, "pixels to refine");
             choices.pixels = some;
             gpu::TracePush push = finePushOf(push_, count);
             buffers_.planeWords.reserve(device_, uint64_t(push.planeWords) * slotsOf(choices.planes), "planes");
-            trace(push, choices, 0, push.planeWords, double(push.planeWords));
+            dispatches_.trace(push, choices, 0, push.planeWords, double(push.planeWords));
             resolve(push, choices, kFineSide, kFineSide, count, 1);
             const std::span<const uint32_t> words = wordsOf(resolved_);
             const auto* linear = static_cast<const float*>(resolvedLinear_.data());
@@ -343,18 +211,16 @@ private:
     const Prepared& p_;
     const RenderRequest& request_;
     const SampleGrid grid_;
-    TraceScene traced_;
-    TraceChoices choices_;
-    gpu::TracePush push_;
     Recorder recorder_;
+    TraceDispatches dispatches_;
+    TraceChoices& choices_;
+    gpu::TracePush& push_;
+    TraceBuffers& buffers_;
     RaySeen seen_;
     RenderCounters counted_;
-    std::vector<uint64_t> counters_;
-    TraceBuffers buffers_;
     Buffer<glm::uvec4> resolved_;
     Buffer<glm::vec4> resolvedLinear_;
-    uint64_t samples_ = 0, mostSamples_ = kMostSamples, bandWords_ = 0;  // of a dispatch; words of a band
-    bool warm_ = false;
+    uint64_t bandWords_ = 0;  // words of a band
     uint32_t slots_ = 0, resolvedQuads_ = 0, resolvedRows_ = 0;
 };
 

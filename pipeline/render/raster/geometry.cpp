@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/render/raster/geometry.h"
+
+#include "pipeline/passes/illuminate.h"
+#include "pipeline/passes/transform.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace plumb {
+
+void Geometry::upload(const DrawList& chunk) {
+    chunk_ = &chunk;
+    carriedNormals_ = false;
+    put<glm::vec4>(device_, positions_, chunk.positions, "positions");
+    put<glm::vec4>(device_, normals_, chunk.normals, "normals");
+    put<glm::uvec4>(device_, triangles_, chunk.triangles, "triangles");
+    put<gpu::ObjectRecord>(device_, objects_, chunk.objects, "objects");
+    if (chunk.numbers != Numbers::fp32) {
+        put<gpu::LongRecord>(device_, longs_, chunk.longs, "long rows");
+        clipSpace_.reserve(device_, std::max<uint64_t>(1, chunk.positions.size()), "clip space");
+    }
+    put<gpu::MaterialRecord>(device_, materials_, chunk.materials, "materials");
+    put<gpu::LightRecord>(device_, lights_, chunk.lights, "lights");
+    std::vector<uint32_t> materialOf(chunk.triangles.size());
+    const bool flat = prepared_.choices.shading == gpu::kShadingFlat;
+    for (size_t t = 0; t < materialOf.size(); ++t) materialOf[t] = flat ? chunk.triangleFace[t] : chunk.triangles[t].w;
+    std::vector<glm::vec4> places(chunk.facePlaces.empty() ? 1 : chunk.triangles.size());
+    if (!chunk.facePlaces.empty())
+        for (size_t t = 0; t < places.size(); ++t) places[t] = chunk.facePlaces[chunk.triangleFace[t]];
+    put<glm::vec4>(device_, trianglePlaces_, places, "places of faces");
+    put<uint32_t>(device_, triangleMaterial_, materialOf, "triangle materials");
+    if (prepared_.choices.shading == gpu::kShadingGouraud)
+        put<uint32_t>(device_, vertexMaterial_, chunk.vertexMaterial, "vertex materials");
+    if (flat) {
+        put<glm::vec4>(device_, facePositions_, chunk.facePositions, "face positions");
+        put<glm::vec4>(device_, faceNormals_, chunk.faceNormals, "face normals");
+        put<uint32_t>(device_, faceMaterial_, chunk.faceMaterial, "face materials");
+        faceColours_.reserve(device_, std::max<uint64_t>(1, chunk.facePositions.size()), "face colours");
+    }
+    const uint64_t corners = chunk.positions.size() + std::min<uint64_t>(kClipCornersAtFirst, chunk.positions.size() / 8 + 64);
+    screen_.reserve(device_, corners, "screen vertices");
+    carried_.reserve(device_, corners, "carried values");
+    records_.reserve(device_, (chunk.triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane, "cull records");
+}
+
+void Geometry::transformAndCull(bool normals) {
+    const FillChoices& choices = prepared_.choices;
+    const bool gouraud = choices.shading == gpu::kShadingGouraud && !normals;
+    // World normals do not depend on the camera, so they stay from picture to picture of one upload.
+    const bool carryNormals = choices.shading == gpu::kShadingPhong || normals;
+    const bool writeNormals = carryNormals && !carriedNormals_;
+    for (const DrawList::Range& r : chunk_->ranges) {
+        if (r.vertexCount == 0) continue;
+        const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, chunk_->viewport};
+        const Normals carry = writeNormals ? normalsCarried(choices, normals) : Normals::none;
+        if (chunk_->numbers == Numbers::fp32)
+            recordTransform(recorder_, push, carry, {}, positions_, normals_, objects_, screen_, carried_);
+        else
+            recordLongTransform(recorder_, device_, push, carry, {}, positions_, normals_, objects_, screen_, carried_,
+                                {chunk_->numbers, longs_, clipSpace_});
+        const uint32_t lightCount = uint32_t(chunk_->lights.size());
+        if (gouraud)
+            recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {},
+                             positions_, normals_, vertexMaterial_, objects_, materials_, lights_, carried_);
+        if (choices.shading == gpu::kShadingFlat && !normals && r.faceCount)
+            recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {},
+                             facePositions_, faceNormals_, faceMaterial_, objects_, materials_, lights_, faceColours_);
+    }
+    recordCull(recorder_, {0, uint32_t(chunk_->triangles.size()), chunk_->cullBackFaces, chunk_->frame}, {}, triangles_, screen_, records_);
+    carriedNormals_ = false;
+    recorder_.run(watchdogMs_);
+    carriedNormals_ = carryNormals;
+}
+
+void Geometry::place() {
+    const uint64_t lanes = (chunk_->triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane;
+    places_ = placeDraws(records_.span().first(lanes), *chunk_, uint32_t(chunk_->positions.size()));
+    const uint64_t corners = chunk_->positions.size() + places_.clippedVertices;
+    budget_.check("drawn triangles", places_.drawCount, sizeof(gpu::DrawTriangle));
+    budget_.check("vertices", corners, sizeof(glm::vec4));
+    if (corners > screen_.count()) {  // more clipped triangles than usual: keep the transformed vertices
+        const std::vector<gpu::ScreenVertex> screen(screen_.span().begin(), screen_.span().end());
+        const std::vector<glm::vec4> carried(carried_.span().begin(), carried_.span().end());
+        screen_.reserve(device_, corners, "screen vertices");
+        carried_.reserve(device_, corners, "carried values");
+        screen_.upload(screen);
+        carried_.upload(carried);
+    }
+    draws_.reserve(device_, places_.drawCount, "draw list");
+    sources_.reserve(device_, std::max(1u, places_.drawCount), "drawn triangles");
+    listDrawn(std::as_const(records_).span().first(lanes), sources_.span().first(places_.drawCount));
+}
+
+void Geometry::setUp(const SetupTiles& tiles) {
+    recordSetup(recorder_, {0, places_.drawCount, tiles.tilesX, tiles.room, chunk_->frame}, chunk_->cullBackFaces == 0, {}, triangles_,
+                screen_, sources_, draws_, tiles.tiles, tiles.entries, tiles.overflow);
+    wide_ = places_.wide;
+    clippedDrawn_ = 0;
+    if (places_.jobs.empty()) return recorder_.skip("clip", "no triangle crosses the near plane or leaves the guard band");
+    put<gpu::ClipJob>(device_, jobs_, places_.jobs, "clip jobs");
+    kinds_.reserve(device_, places_.jobs.size(), "clip kinds");
+    recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, {}, triangles_,
+               positions_, objects_, jobs_, screen_, carried_, draws_, kinds_, chunk_->numbers == Numbers::fp32 ? nullptr : &clipSpace_);
+    recorder_.run(watchdogMs_);
+    for (size_t j = 0; j < places_.jobs.size(); ++j) {
+        wide_ |= kinds_.span()[j] & 1;
+        clippedDrawn_ += kinds_.span()[j] >> 1;
+    }
+}
+
+}  // namespace plumb

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// The geometry of a chunk on the device: from its upload to its drawn triangles on the screen.
+#pragma once
+
+#include "pipeline/passes/cull.h"
+#include "pipeline/render/prepare.h"
+#include "pipeline/render/raster/budget.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+
+namespace plumb {
+
+template <class T>
+void put(Device& device, Buffer<T>& buffer, std::span<const T> from, const char* name) {
+    buffer.reserve(device, std::max<uint64_t>(from.size(), 1), name);
+    buffer.upload(from);
+}
+
+// Where the set-up pass lists small triangles.
+struct SetupTiles {
+    uint32_t tilesX = 0;  // 0: it lists none
+    uint32_t room = 0;    // of a tile
+    const Buffer<uint32_t>& tiles;
+    const Buffer<uint32_t>& entries;
+    const Buffer<uint32_t>& overflow;  // bits of triangles that a full tile did not take
+};
+
+class Geometry {
+public:
+    Geometry(Device& device, Recorder& recorder, const Prepared& prepared, const Budget& budget, double watchdogMs)
+        : device_(device), recorder_(recorder), prepared_(prepared), budget_(budget), watchdogMs_(watchdogMs) {}
+
+    // Buffers grow as needed. The chunk stays the caller's until the next one.
+    void upload(const DrawList& chunk);
+    // Runs transform, illuminate and cull. `normals`: the attributes are world normals whatever the shading (normal plane).
+    void transformAndCull(bool normals);
+    // The host's step: which triangles are drawn, and where. Throws TooLarge before anything is written.
+    void place();
+    // Set-up, recorded only where nothing is clipped, and clip.
+    void setUp(const SetupTiles& tiles);
+
+    const DrawList& chunk() const { return *chunk_; }
+    const DrawPlaces& places() const { return places_; }
+    bool wide() const { return wide_; }  // a triangle is too large for the fill's short arithmetic
+    uint64_t clippedDrawn() const { return clippedDrawn_; }
+
+    // What a step left, and what the next one reads.
+    Buffer<gpu::ScreenVertex>& screen() { return screen_; }
+    Buffer<glm::vec4>& carried() { return carried_; }
+    Buffer<glm::vec4>& faceColours() { return faceColours_; }
+    Buffer<gpu::CullRecord>& records() { return records_; }
+    Buffer<gpu::DrawTriangle>& draws() { return draws_; }
+    const Buffer<uint32_t>& triangleMaterials() const { return triangleMaterial_; }
+    const Buffer<gpu::MaterialRecord>& materials() const { return materials_; }
+    const Buffer<gpu::LightRecord>& lights() const { return lights_; }
+    const Buffer<glm::vec4>& trianglePlaces() const { return trianglePlaces_; }
+
+private:
+    Device& device_;
+    Recorder& recorder_;
+    const Prepared& prepared_;
+    const Budget& budget_;
+    const double watchdogMs_;
+    const DrawList* chunk_ = nullptr;
+    DrawPlaces places_;
+    uint64_t clippedDrawn_ = 0;
+    bool wide_ = false;
+    bool carriedNormals_ = false;  // carried_ holds the world normals of what was uploaded
+
+    Buffer<glm::vec4> trianglePlaces_;
+    Buffer<glm::vec4> positions_, normals_, facePositions_, faceNormals_, carried_, faceColours_;
+    Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, sources_, kinds_;
+    Buffer<glm::uvec4> triangles_;
+    Buffer<gpu::ObjectRecord> objects_;
+    Buffer<gpu::LongRecord> longs_;
+    Buffer<glm::vec4> clipSpace_;
+    Buffer<gpu::MaterialRecord> materials_;
+    Buffer<gpu::LightRecord> lights_;
+    Buffer<gpu::ScreenVertex> screen_;
+    Buffer<gpu::CullRecord> records_;
+    Buffer<gpu::DrawTriangle> draws_;
+    Buffer<gpu::ClipJob> jobs_;
+};
+
+}  // namespace plumb
