@@ -385,7 +385,7 @@ Exit measureCommand(const Options& options) {
     for (const std::string& fallback : renderer.fallbacks()) tell(fmt::format("plumb: {}", fallback));
     plan.deviceThere = renderer.device() != nullptr;
     plan.base.request = requestOf(options, scene, size);
-    if (plan.base.request.shading == Shading::wire)
+    if (!techniqueOf(scene, plan.base.request).showsSurfaces())
         throw usageError("--shading: wire has no truth to be measured against; it is a row of the axis 'shading'");
     refuse(scene, plan.base.request);
     for (const VertexError& error : vertexErrors(scene, plan.base.request)) {

@@ -224,7 +224,7 @@ Exit renderCommand(const Options& options) {
     if (options.withError) {
         if (options.stereo != StereoForm::none)
             throw usageError("--with-error: the truth is that of one eye; measure each by its own --eye");
-        if (request.shading == Shading::wire)
+        if (!techniqueOf(scene, request).showsSurfaces())
             throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
         request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;  // which change no byte of the picture
     }

@@ -40,7 +40,7 @@ struct Trade {
     bool operator==(const Trade&) const = default;
 };
 
-// Where rays pass through a pixel, how they spread, and how their colours add up (Shading::ray; docs/rays.md).
+// Where rays pass through a pixel, how they spread, and how their colours add up (traced pictures; docs/rays.md).
 struct RayChoices {
     using Sampling = plumb::Sampling;  // adaptive: 16 samples where a pixel's corners differ by more than kCornerLevels
     Sampling sampling = Sampling::grid;
@@ -73,7 +73,7 @@ struct RenderRequest {
     uint32_t bandRows = 0;
     std::function<bool(double)> onProgress;  // 0..1; false cancels (Error(interrupted))
     double watchdogMs = 60000;
-    uint32_t maxDepth = 5;  // rays one after another, 1 to 64 (Shading::ray)
+    uint32_t maxDepth = 5;  // rays one after another, 1 to 64 (traced pictures)
     float minWeight = 0;    // a ray that weighs less is not followed
     RayChoices rays;
     uint32_t rayLimit = 0;        // tests: rays that a sample follows in one dispatch; forces the list form. 0: as the scene asks

@@ -36,6 +36,7 @@ ResidentScene::Picture ResidentScene::draw() {
     Impl& v = *impl_;
     if (v.resident && v.resident->draw()) return v.resident->pixels();
     v.resident.reset();  // its buffers make room
+    v.picture.reset();
     v.whole = renderGpu(v.device, v.scene, v.request);
     v.times.insert(v.times.end(), v.whole.times.begin(), v.whole.times.end());
     return {v.whole.frame.rgba.data(), v.request.width, v.request.height, v.request.width};

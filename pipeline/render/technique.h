@@ -51,7 +51,7 @@ protected:
 
 // Plane bits of pictures of lines, and those that pictures of surfaces have beside them.
 inline constexpr uint32_t kPlanesOfLines = kPlaneColour | kPlaneLinear | kPlaneObject | kPlanePrimitive;
-inline constexpr uint32_t kPlanesOfSurfaces = kPlaneZ | kPlaneDepth | kPlaneDistance | kPlaneNormal;
+inline constexpr uint32_t kPlanesOfSurfaces = kPlanesSeen & ~uint32_t(kPlaneTriangle);
 
 struct Technique {
     // The arithmetic that moves vertices to the screen: that of the transform pass, float32 in the lines pass, binary64 on the host, or none at all
@@ -70,6 +70,9 @@ struct Technique {
     Vertices vertices;                // of the scene's meshes
     bool parallel = false;            // projection is parallel: both eyes see the same
     const char* wholePass = nullptr;  // the one pass that is the whole chain; null: stages are compared one by one, or not at all
+
+    // False for drawings, whose lines are no picture of a surface.
+    bool showsSurfaces() const { return (planes & kPlanesOfSurfaces) == kPlanesOfSurfaces; }
 };
 
 // The first of the table that draws the request.

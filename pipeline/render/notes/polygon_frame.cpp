@@ -4,7 +4,7 @@
 #include "pipeline/passes/parallel.h"
 #include "pipeline/render/notes/polygons.h"
 #include "pipeline/render/notes/projection.h"
-#include "pipeline/render/stopwatch.h"
+#include "pipeline/render/walk.h"
 #include "pipeline/scene/flattened.h"
 #include "pipeline/scene/text.h"
 
@@ -277,10 +277,9 @@ private:
         std::vector<int> drawn(canvas.owner.size(), 0);  // covered samples, counted from 1
         for (size_t k = 0; k < covered.size(); ++k) drawn[covered[k]] = int(k + 1);
         const SampleLayout layout{uint32_t(list_.width), p_.side, p_.side, p_.side / 2};
-        {
-            const Stopwatch watch(&result_.times, p_.side > 1 ? "resolve" : "encode");
-            writer_.takeColours(0, p_.height, {layout, linear, drawn}, threadCount(request_.threads));
-        }
+        const auto colours = [&] { writer_.takeColours(0, p_.height, {layout, linear, drawn}, threadCount(request_.threads)); };
+        const StepBody host[] = {{"resolve", colours}, {"encode", colours}};
+        walk(p_.plan, result_.times, host);
         writer_.takeCoverage<int>(p_.height, layout, drawn);
         writer_.takeSeen<int>(0, p_.height, layout, drawn, [&](uint32_t, uint32_t, size_t sample) {
             return Seen(*this, canvas, sample, normals.empty() ? glm::vec3(0) : normals[size_t(drawn[sample] - 1)]);
