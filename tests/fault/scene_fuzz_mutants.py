@@ -28,7 +28,7 @@ MUTANTS = [
      "(covered * 255u + (samples >> 1u)) / samples", "(covered * 255u) / samples"),
     ("no board is mirrored to the twin's rays", "pipeline/passes/trace_cpu.cpp", None,
      "gpu::otherSquare(hit.u, hit.v, p.square, p.mirrored)", "gpu::otherSquare(hit.u, hit.v, p.square, false)"),
-    ("both sides light mirrored objects from behind: the truth knows", "pipeline/render/prepare.cpp", None,
+    ("both sides light mirrored objects from behind: the truth knows", "pipeline/render/draw_list_of.cpp", None,
      "* (mirrored ? -1 : 1)", "* 1"),
 ]
 
