@@ -39,6 +39,7 @@ public:
         : device_(device), scene_(scene), request_(request), technique_(techniqueOf(scene, request)), check_(report_) {}
 
     VerifyReport run() {
+        refuse(scene_, request_);
         if (request_.trade.native()) {
             const ColourBound bound = boundOfNative(scene_, request_);
             if (!bound.proved) throw usageError("verify: the device's own functions have no bound here: " + bound.why);
