@@ -15,7 +15,7 @@ NAME = "worldFromObject"
 ALLOWED = {
     "scene/scene.h": "defines both",
     "scene/toml_objects.cpp": "sets it",
-    "scene/read_gltf.cpp": "sets it",
+    "scene/gltf_nodes.cpp": "sets it",
     "scene/flattened.h": "asks for its linear part",
     "scene/flattened.cpp": "asks for its linear part",
     "command/info_command.cpp": "bounds as the file states them",

@@ -3,6 +3,8 @@
 // No function of the C library decides a bit, so a file gives the same mesh on every machine.
 //
 // Order is the file's: vertices and edges by first use, triangles by face. No result depends on the order of a hash.
+#include "pipeline/scene/face_cutter.h"
+#include "pipeline/scene/index_table.h"
 #include "pipeline/scene/input.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/mesh_origin.h"
@@ -22,9 +24,6 @@
 namespace plumb {
 namespace {
 
-// Most corners of a concave face. Ear clipping takes time corners * reflex corners: at this size half a second in the worst case.
-constexpr uint32_t kMaxConcaveCorners = 8192;
-
 // Least area of a face, a corner. A face has no area when its Newell sum is below what binary64 rounding leaves of collinear float32
 // corners: each of n cross products has an error of at most 4 * 2^-53 * L^2, L the longest distance from the first corner.
 constexpr double kZeroAreaPerCorner = 0x1p-51;
@@ -37,51 +36,6 @@ constexpr double kMaxNormalCondition = 1024;
 constexpr double kOppositeCosine = -0.5;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr uint32_t kFree = kNone;
-
-uint64_t mixBits(uint64_t x) {  // the finalizer of MurmurHash3 (Appleby, public domain)
-    x ^= x >> 33;
-    x *= 0xff51afd7ed558ccdull;
-    x ^= x >> 33;
-    x *= 0xc4ceb9fe1a85ec53ull;
-    return x ^ x >> 33;
-}
-
-// Hash table of indices, open addressing; the things themselves stand elsewhere. It grows and never forgets.
-class IndexTable {
-public:
-    explicit IndexTable(size_t expected) : slots_(std::bit_ceil(std::max<size_t>(16, expected * 2)), kFree) {}
-
-    // Index that `same` accepts; otherwise `fresh`, which is then in the table.
-    template <class Same, class HashOf>
-    uint32_t findOrAdd(uint64_t hash, uint32_t fresh, Same same, HashOf hashOf) {
-        if ((used_ + 1) * 2 > slots_.size()) grow(hashOf);
-        for (size_t at = hash & (slots_.size() - 1);; at = (at + 1) & (slots_.size() - 1)) {
-            if (slots_[at] == kFree) {
-                slots_[at] = fresh;
-                ++used_;
-                return fresh;
-            }
-            if (same(slots_[at])) return slots_[at];
-        }
-    }
-
-private:
-    template <class HashOf>
-    void grow(HashOf hashOf) {
-        std::vector<uint32_t> old(slots_.size() * 2, kFree);
-        old.swap(slots_);
-        for (uint32_t index : old) {
-            if (index == kFree) continue;
-            size_t at = hashOf(index) & (slots_.size() - 1);
-            while (slots_[at] != kFree) at = (at + 1) & (slots_.size() - 1);
-            slots_[at] = index;
-        }
-    }
-
-    std::vector<uint32_t> slots_;
-    size_t used_ = 0;
-};
 
 std::array<uint32_t, 3> bitsOf(const glm::vec3& v) {
     return {std::bit_cast<uint32_t>(v.x), std::bit_cast<uint32_t>(v.y), std::bit_cast<uint32_t>(v.z)};
@@ -108,158 +62,6 @@ double angleOf(double cosine) {
     const double angle = std::sqrt(1.0 - x) * sum;
     return cosine < 0 ? kPi - angle : angle;
 }
-
-// Triangulates one face in its own plane, seen so that it is counter-clockwise.
-class FaceCutter {
-public:
-    struct Point {
-        double x, y;
-        bool operator==(const Point&) const = default;
-    };
-    using Cut = std::array<uint32_t, 3>;  // corners of the face, from 0
-
-    std::vector<Point> points;  // in: the corners, projected
-    std::vector<Cut> cuts;      // out: points.size() - 2 of them
-
-    enum class Outcome { done, selfCrossing, tooLarge };
-    Outcome run() {
-        const uint32_t n = uint32_t(points.size());
-        cuts.clear();
-        bool anyRight = false, anyStraight = false;
-        for (uint32_t i = 0; i < n; ++i) {
-            const double turn = turnOf(points[i ? i - 1 : n - 1], points[i], points[i + 1 < n ? i + 1 : 0]);
-            anyRight |= turn < 0;
-            anyStraight |= turn == 0;
-        }
-        if (!anyRight && !anyStraight) {
-            fan(n);
-            return turnsOnce() ? Outcome::done : Outcome::selfCrossing;
-        }
-        // A straight corner needs ears rather than a fan. Cut off as a triangle without area it would leave the neighbouring face, which
-        // also has that corner, with a T-junction: the background could be seen through it.
-        if (n <= kMaxConcaveCorners) return clipEars(n);
-        if (anyRight || !turnsOnce()) return Outcome::tooLarge;
-        fan(n);
-        return Outcome::done;
-    }
-
-    void fan(uint32_t n) {
-        for (uint32_t i = 1; i + 1 < n; ++i) cuts.push_back({0, i, i + 1});
-    }
-
-private:
-    // Twice the signed area of (a, b, c): positive for a turn to the left at b.
-    static double turnOf(const Point& a, const Point& b, const Point& c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
-
-    // True when the outline turns once. A convex outline changes its direction in x twice, and in y twice; a star whose turns are all to
-    // the left does so more often.
-    bool turnsOnce() const {
-        const auto changes = [&](auto coordinate) {
-            int count = 0, first = 0, last = 0;
-            for (size_t i = 0; i < points.size(); ++i) {
-                const double step = coordinate(points[i + 1 < points.size() ? i + 1 : 0]) - coordinate(points[i]);
-                const int sign = (step > 0) - (step < 0);
-                if (sign == 0) continue;
-                if (!first) first = sign;
-                count += last && sign != last;
-                last = sign;
-            }
-            return count + (first != last);
-        };
-        return changes([](const Point& p) { return p.x; }) <= 2 && changes([](const Point& p) { return p.y; }) <= 2;
-    }
-
-    double turnAt(uint32_t i) const { return turnOf(points[before_[i]], points[i], points[after_[i]]); }
-
-    // True for an ear: a strict left turn whose triangle, border included, holds no corner that is not a strict left turn. Corners that
-    // coincide with the triangle's own (the bridge of a face with a hole) do not count.
-    bool isEar(uint32_t i) const {
-        const Point &a = points[before_[i]], &b = points[i], &c = points[after_[i]];
-        if (!(turnOf(a, b, c) > 0)) return false;
-        for (uint32_t r : reflex_) {
-            const Point& p = points[r];
-            if (gone_[r] || p == a || p == b || p == c) continue;
-            if (turnOf(a, b, p) >= 0 && turnOf(b, c, p) >= 0 && turnOf(c, a, p) >= 0) return false;
-        }
-        return true;
-    }
-
-    void cutOff(uint32_t i) {
-        cuts.push_back({before_[i], i, after_[i]});
-        after_[before_[i]] = after_[i];
-        before_[after_[i]] = before_[i];
-        gone_[i] = true;
-    }
-
-    // Clips ears. Only the two neighbours of a cut corner can become ears or stop being reflex (O'Rourke, Computational Geometry in C,
-    // 1.4). In degenerate outlines other corners can too, so all are tested again before giving up, a few times.
-    Outcome clipEars(uint32_t n) {
-        before_.resize(n);
-        after_.resize(n);
-        gone_.assign(n, false);
-        ear_.resize(n);
-        for (uint32_t i = 0; i < n; ++i) before_[i] = i ? i - 1 : n - 1, after_[i] = i + 1 < n ? i + 1 : 0;
-        const auto collectReflex = [&] {
-            reflex_.clear();
-            for (uint32_t i = 0; i < n; ++i)
-                if (!gone_[i] && !(turnAt(i) > 0)) reflex_.push_back(i);
-        };
-        const auto askAll = [&] {
-            collectReflex();
-            bool any = false;
-            for (uint32_t i = 0; i < n; ++i) any |= ear_[i] = !gone_[i] && isEar(i);
-            return any;
-        };
-        askAll();
-        uint32_t left = n, at = 0, sinceCut = 0, asked = 0;
-        while (left > 3) {
-            if (ear_[at]) {
-                const uint32_t a = before_[at], c = after_[at];
-                cutOff(at);
-                ear_[at] = false;
-                --left;
-                if (left % 64 == 0) collectReflex();
-                ear_[a] = isEar(a);
-                ear_[c] = isEar(c);
-                at = c;  // not the corner just before, so that fans stay narrow
-                sinceCut = 0;
-                continue;
-            }
-            at = after_[at];
-            if (++sinceCut <= left) continue;
-            sinceCut = 0;
-            if (++asked > 16) return fallBack(at, left);
-            if (askAll()) continue;
-            // No ear: cut a corner without area (a spike, or points in a line), else the outline crosses itself.
-            uint32_t straight = at;
-            for (uint32_t k = 0; k < left && turnAt(straight) != 0; ++k) straight = after_[straight];
-            if (turnAt(straight) != 0) return fallBack(at, left);
-            at = after_[straight];
-            cutOff(straight);
-            --left;
-            ear_[straight] = false;
-            askAll();
-        }
-        const bool folded = turnAt(at) < 0;
-        cutOff(at);
-        return folded ? Outcome::selfCrossing : Outcome::done;
-    }
-
-    Outcome fallBack(uint32_t at, uint32_t left) {
-        // A remaining outline in one line has no area and crosses nothing.
-        bool straight = true;
-        for (uint32_t k = 0, i = at; k < left; ++k, i = after_[i]) straight &= turnAt(i) == 0;
-        for (uint32_t i = after_[at]; left > 2; --left) {
-            const uint32_t following = after_[i];
-            cuts.push_back({at, i, following});
-            i = following;
-        }
-        return straight ? Outcome::done : Outcome::selfCrossing;
-    }
-
-    std::vector<uint32_t> before_, after_, reflex_;
-    std::vector<char> gone_, ear_;
-};
 
 class Finisher {
 public:

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// What the parts of the glTF reader share: the scene that they fill, and what they leave out of it.
+#pragma once
+
+#include "pipeline/scene/gltf_value.h"
+#include "pipeline/scene/load.h"
+#include "pipeline/scene/scene.h"
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace plumb::gltf {
+
+struct Reading {
+    const LoadOptions& options;
+    Scene& scene;
+
+    // Names a kind of what the file asks for and no pass draws, once. With `strict` it is refused at `at`.
+    void ignore(const Value& at, const std::string& what) const;
+    // Ignores each extension of `owner` that is not `known`.
+    void ignoreExtensions(const Value& owner, std::initializer_list<std::string_view> known) const;
+};
+
+}  // namespace plumb::gltf
