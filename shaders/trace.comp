@@ -657,7 +657,7 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
 
             Children next =
                 childrenOf(d, bends, within, shares.x, shares.y, shares.z, shares.w, weight, depth, push.maxDepth, push.minWeight);
-            if (kMeshes && kRefracts) next.passDirection = mesh ? onSideOf(next.passDirection, -n) : next.passDirection;
+            if (kMeshes && kRefracts) next.passDirection = mesh ? onSideOf(next.passDirection, -n, leastSlope(d, n)) : next.passDirection;
             bool mirror = kChildren && hits && next.mirror;
             bool pass = kRefracts && hits && next.pass;
             if (!kList) fault |= mirror && pass ? kFaultRange : 0u;

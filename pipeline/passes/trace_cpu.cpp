@@ -62,7 +62,7 @@ public:
         }
         gpu::Children next = gpu::childrenOf(ray.direction, bends, within, m.reflect, m.transmit, m.index, m.inverseIndex, ray.weight,
                                              ray.depth, push_.maxDepth, push_.minWeight);
-        if (mesh) next.passDirection = gpu::onSideOf(next.passDirection, -geometric);
+        if (mesh) next.passDirection = gpu::onSideOf(next.passDirection, -geometric, gpu::leastSlope(ray.direction, geometric));
         const uint32_t mirrorKey = gpu::keyOfChild(ray.key, gpu::kCountReflected), passKey = gpu::keyOfChild(ray.key, gpu::kCountRefracted);
         if (choices_.jitterMirror > 0)
             next.mirrorDirection = gpu::jittered(next.mirrorDirection, geometric, choices_.jitterMirror, mirrorKey);

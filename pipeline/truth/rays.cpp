@@ -383,7 +383,15 @@ private:
         s.normalError = error;
         bend(r, s);
     }
-    // The interpolated normal, or one between it and the geometric one that sends the mirrored ray along the polygon and no deeper.
+    // Least slope of a ray that leaves the polygon; its error is at most half of that of d.G.
+    static Real slopeOf(const Ray& r, const Surface& s) {
+        constexpr double kLeastSlope = 0x1p-10;
+        const Real half = along(r.direction, s.geometric) / 2, size = half < 0 ? -half : half;
+        return size < Real(kLeastSlope) ? size : Real(kLeastSlope);
+    }
+    static double slopeErrorOf(const Ray& r, const Surface& s) { return (r.directionError + s.geometricError) / 2 + 8 * kUnit; }
+
+    // The interpolated normal, or one between it and the geometric one that sends the mirrored ray off with the least slope.
     void bend(const Ray& r, Surface& s) {
         constexpr double kLeastLean = 1.0 / 16, kShortestHalf = 0x1p-18;
         const V &g = s.geometric, &n = s.normal, &d = r.direction;
@@ -393,19 +401,24 @@ private:
         if (std::abs(double(lean) - kLeastLean) <= s.normalError + s.geometricError + 8 * kUnit) doubt(r.weight * brightest_);
         if (!(lean > kLeastLean)) return;
         const V image = d + n * (2 * (cosine > 0 ? cosine : Real(0)));
-        const Real below = along(image, g);
-        if (!(below < 0)) {
+        const Real missing = slopeOf(r, s) - along(image, g);
+        // Of d + 2 c N, and of what is missing along G.
+        const double imageError = 3 * r.directionError + 4 * s.normalError + 8 * kUnit,
+                     missingError = imageError + s.geometricError + slopeErrorOf(r, s) + 8 * kUnit;
+        if (!(missing > 0)) {
             s.bends = n;
             s.bendsError = s.normalError;
+            if (double(missing) < -missingError) return;
+        }
+        // What lies along the polygon is at least kLeastLean long.
+        const V half = missing > 0 ? unitOf(image + g * missing) - d : image - d;
+        const double length = double(lengthOf(half));
+        const double halfError = (imageError + missingError + s.geometricError) / kLeastLean + r.directionError + 8 * kUnit;
+        if (std::abs(length - kShortestHalf) <= halfError) doubt(r.weight * brightest_);
+        if (!(length > kShortestHalf)) {
+            if (std::abs(double(missing)) <= missingError) doubt(r.weight * brightest_);
             return;
         }
-        const V half = unitOf(image - g * below) - d;
-        const double length = double(lengthOf(half));
-        // What lies along the polygon is at least kLeastLean long.
-        const double halfError =
-            (3 * r.directionError + 4 * s.normalError + 2 * s.geometricError + 16 * kUnit) / kLeastLean + r.directionError;
-        if (std::abs(length - kShortestHalf) <= halfError) doubt(r.weight * brightest_);
-        if (!(length > kShortestHalf)) return;
         s.bends = half * (1 / Real(length));
         s.bendsError = halfError / length + 8 * kUnit;
     }
@@ -577,15 +590,20 @@ private:
             const double steep = double(root) > 0 ? bend * bend * std::abs(double(cosine)) * cosineError / double(root) : 1;
             child.direction = unitOf(r.direction * ratio + s.bends * (ratio * cosine - root));
             child.directionError = bend * r.directionError + (bend + 1) * s.bendsError + bend * cosineError + steep + 16 * u * (1 + bend);
-            const Real against = along(child.direction, s.geometric);
-            if (h.kind == Kind::facet && against > 0) {
-                const V kept = child.direction - s.geometric * against;
-                const double length = double(lengthOf(kept));
-                child.direction = unitOf(kept);
-                child.directionError = (2 * child.directionError + s.geometricError) / length + 8 * u;
-            }
+            if (h.kind == Kind::facet) leave(r, s, child);
         }
         send(child);
+    }
+    // A refracted ray leaves the polygon with the least slope at least.
+    void leave(const Ray& r, const Surface& s, Ray& child) {
+        const Real missing = slopeOf(r, s) + along(child.direction, s.geometric);
+        const double missingError = child.directionError + s.geometricError + slopeErrorOf(r, s) + 8 * kUnit;
+        if (double(missing) < -missingError) return;
+        V kept = child.direction;
+        if (missing > 0) kept = kept - s.geometric * missing;
+        const double length = double(lengthOf(kept));
+        child.direction = unitOf(kept);
+        child.directionError = (child.directionError + missingError + s.geometricError) / length + 8 * kUnit;
     }
     void send(const Ray& child) {
         if (child.weight == 0) return;

@@ -148,15 +148,22 @@ SHARED_FN SurfacePoint pointOnTriangle(vec3 p0, vec3 p1, vec3 p2, vec3 normal, T
     return s;
 }
 
-// Unit direction d without its part against n, normalised again. Not for d near -n.
-SHARED_FN vec3 onSideOf(vec3 d, vec3 n) {
+// Least slope against the polygon of a ray that leaves it where ray d arrived: half the slope of d, and no more than kLeastSlope.
+// A ray along the polygon would tie with every coplanar neighbour. The least slope goes to 0 with that of d, so that the directions of rays
+// that leave are continuous in d.
+SHARED_CONST float kLeastSlope = 0.0009765625f;
+SHARED_FN float leastSlope(vec3 d, vec3 n) { return lesser(abs(dot3(d, n)) * 0.5f, kLeastSlope); }
+
+// Unit direction d, turned toward n where its part along n is less than slope. That part is then the slope, and d is normalised again. Not
+// for d near -n.
+SHARED_FN vec3 onSideOf(vec3 d, vec3 n, float slope) {
     float along = dot3(d, n);
-    return chosen(along < 0.0f, unitLength(d - n * along), d);
+    return chosen(along < slope, unitLength(d + n * (slope - along)), d);
 }
 
 // Normal that mirrors and bends rays at a mesh (light takes the interpolated one). It is the interpolated normal unless that sends the
-// mirrored ray into the polygon. Then the mirrored ray runs along the polygon, and the normal stands half-way: both rules agree where one
-// ends and the other begins. A ray that an interpolated normal faces away from goes straight on. Both given normals are turned with the
+// mirrored ray into the polygon. Then the mirrored ray leaves with the least slope, and the normal stands half-way: both rules agree where
+// one ends and the other begins. A ray that an interpolated normal faces away from goes straight on. Both given normals are turned with the
 // ray's side of the polygon.
 // Below kLeastLean the projection onto the polygon could vanish. Below 2^-18 of a half-way vector its direction is rounding; the mirrored
 // ray of the geometric normal differs by less than twice that.
@@ -164,10 +171,11 @@ SHARED_CONST float kLeastLean = 0.0625f;
 SHARED_FN vec3 normalForRays(vec3 d, vec3 geometric, vec3 smooth_) {
     float cosine = -dot3(d, smooth_);
     vec3 image = d + smooth_ * (2.0f * pick(cosine > 0.0f, cosine, 0.0f));
-    vec3 half_ = onSideOf(image, geometric) - d;
+    float slope = leastSlope(d, geometric);
+    vec3 half_ = onSideOf(image, geometric, slope) - d;
     bool long_ = dot3(half_, half_) > 1.4551915228366851807e-11f;
     vec3 bent = chosen(long_, unitLength(half_), geometric);
-    bent = chosen(dot3(image, geometric) < 0.0f, bent, smooth_);
+    bent = chosen(dot3(image, geometric) < slope, bent, smooth_);
     return chosen(dot3(smooth_, geometric) > kLeastLean, bent, geometric);
 }
 

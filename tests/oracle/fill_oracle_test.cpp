@@ -6,6 +6,7 @@
 #include "pipeline/passes/lines.h"
 #include "pipeline/render/raster/twin_frame.h"
 #include "pipeline/scene/load.h"
+#include "pipeline/truth/highlight_error.h"
 #include "tests/oracle/coverage_oracle.h"
 #include "tests/oracle/fixed_function.h"
 #include "tests/oracle/screen_scene.h"
@@ -414,13 +415,10 @@ constexpr double kUnitLengthError = 6.5 * kUnit;
 constexpr double kRayError = 5 * kUnit * 1.7320508;
 // Planar depth from z: reciprocal 9 u, times near and ray 2 u.
 constexpr double kDistanceError = 11 * kUnit;
-// Largest |d cos^n / d angle| / sqrt(n) for large n, e^(-1/2), rounded up (docs/derivations.md#the-power-of-the-highlight). In general it is
-// (1 - 1/n)^((n - 1) / 2), so 1 for n = 1.
-constexpr double kPowerSlope = 0.61;
 // Relative error of specularPower for exact delta: log2's polynomial (1.7e-7) and four roundings scale p, and s |ln s| <= 1/e;
 // exp2's polynomial (7.5e-8) and three roundings scale s.
 constexpr double kPowerError = (1.7e-7 + 4 * kUnit) / 2.718281828 + 7.5e-8 + 3 * kUnit;
-// u = 1 - delta is kept at 2^-20 or more: for n >= 1 what is lost near R.V = 0 is below that.
+// 1 - delta is kept at 2^-20 or more.
 constexpr double kPowerFloor = 0x1p-20;
 
 struct ShadingVerdict {
@@ -504,10 +502,8 @@ void expectShading(const Picture& p, const std::string& name, ShadingVerdict& v)
             const Real80 rv = mirrored.x * toEye.x + mirrored.y * toEye.y + mirrored.z * toEye.z;
             const Real80 power = exponent == 0 ? 1 : std::pow(std::max<Real80>(rv, 0), exponent);
             const Real80 mirrorError = 2 * (normalError + nlError) + lightError + rayError + Real80(kUnitLengthError) + 4 * kUnit;
-            const Real80 powerError = exponent == 0 ? 0
-                                                    : Real80(kPowerSlope) * std::sqrt(std::max<Real80>(exponent, 1)) * mirrorError +
-                                                          exponent * mirrorError * mirrorError + Real80(kPowerError) +
-                                                          (exponent >= 1 ? Real80(kPowerFloor) * (rv < 0.01L) : 1);
+            const Real80 floor = rv < 0.01L ? Real80(kPowerFloor) : 0;
+            const Real80 powerError = exponent == 0 ? 0 : truth::highlightError(exponent, mirrorError, floor) + Real80(kPowerError);
             const bool edgeOfLight = std::abs(nl) <= nlError;  // N.L > 0 itself is not decided
             undecided |= edgeOfLight;
             for (int i = 0; i < 3; ++i) {

@@ -333,10 +333,11 @@ class Renderer:
         facing = np.maximum(-dot(d, n), 0)
         mirror = d + 2 * facing * n
         below = dot(mirror, g)
+        slope = np.minimum(2.0**-10, np.abs(dot(d, g)) / 2)
         with np.errstate(divide="ignore", invalid="ignore"):
-            half = unit(mirror - below * g) - d
+            half = unit(mirror + (slope - below) * g) - d
             bent = np.where(dot(half, half) < 2.0**-36, g, unit(half))
-        bent = np.where(below < 0, bent, n)
+        bent = np.where(below < slope, bent, n)
         bent = np.where(dot(n, g) <= 1 / 16, g, bent)
         mesh = (thing >= first)[:, None]
         bent = np.where(mesh, bent, n)
@@ -352,7 +353,7 @@ class Renderer:
             root = np.sqrt(np.maximum(square, 0))
             refracted = q[:, None] * d + ((q * k - root)[:, None]) * bent
             against = dot(refracted, g)
-            refracted = np.where(mesh & (against > 0), refracted - against * g, refracted)
+            refracted = np.where(mesh & (against > -slope), refracted - (against + slope) * g, refracted)
             for direction, part, side, kind in ((reflected, share, within, 3), (refracted, np.where(total, 0, self.transmit[m]), ~within, 5)):
                 goes = np.flatnonzero((part * weight > 0) & (part * weight >= least))
                 c, below_ = self.trace(p[goes], unit(direction[goes]), thing[goes], side[goes], depth + 1, (weight * part)[goes])

@@ -4,6 +4,7 @@
 #include "host/error.h"
 #include "pipeline/render/render.h"
 #include "pipeline/truth/frame_error.h"
+#include "pipeline/truth/highlight_error.h"
 #include "tests/support/compare.h"
 #include "tests/support/scenes.h"
 
@@ -32,7 +33,6 @@ constexpr Precision kPass{kFloatUnit, (1.7e-7L + 4 * kFloatUnit) / 2.718281828L 
 // The C library's hypot and pow may be off by a unit in the last place, 2 u, where the pass rounds once, and twice in a row.
 constexpr Real80 kDoubleUnit = 4 * 0x1p-53L;
 constexpr Precision kTruth{kDoubleUnit, kDoubleUnit, 0};
-constexpr Real80 kPowerSlope = 0.61L;  // largest |d cos^n / d angle| / sqrt(n) for large n
 
 Real80 lengthOf(const Vector& v) { return std::sqrt(glm::dot(v, v)); }
 
@@ -128,16 +128,14 @@ void expectColour(const Scene& scene, const Candidate& c, const Number* drawn, c
         const Real80 n = m.shininess, rv = glm::dot(Real80(2) * nl * normal - l, view);
         const Real80 highlight = n == 0 ? 1 : std::pow(std::max<Real80>(rv, 0), n);
         const Real80 mirrorError = 2 * (normalError + nlError) + lightError + 4 * kUnit;
-        const Real80 highlightError = n == 0
-                                          ? 0
-                                          : kPowerSlope * std::sqrt(std::max<Real80>(n, 1)) * mirrorError + n * mirrorError * mirrorError +
-                                                precision.powerError + (n >= 1 ? precision.powerFloor * (rv < 0.01L) : 1);
+        const Real80 floor = rv < 0.01L ? precision.powerFloor : 0;
+        const Real80 powerError = n == 0 ? 0 : truth::highlightError(n, mirrorError, floor) + precision.powerError;
         for (int i = 0; i < 3; ++i) {
             const Real80 intensity = Real80(light.intensity[i]) * fade,
                          term = (lit ? Real80(m.diffuse[i]) * nl + Real80(m.specular[i]) * highlight : 0) * intensity;
             colour[i] += term;
             bound[i] += intensity * (Real80(m.diffuse[i]) * nlError +
-                                     Real80(m.specular[i]) * (lit || edge ? highlightError + (edge ? highlight : 0) : 0)) +
+                                     Real80(m.specular[i]) * (lit || edge ? powerError + (edge ? highlight : 0) : 0)) +
                         (fadeError + (4 + Real80(scene.lights.size())) * kUnit) * (term + colour[i]);
         }
     }

@@ -2,6 +2,7 @@
 #include "tests/stress/scene_truth.h"
 
 #include "pipeline/truth/geometry.h"
+#include "pipeline/truth/highlight_error.h"
 #include "pipeline/truth/truth.h"
 
 #include <fmt/core.h>
@@ -30,7 +31,6 @@ constexpr double kNormalError = 10 * kUnit * kRoot3;
 constexpr double kUnitLengthError = 6.5 * kUnit;
 constexpr double kRayError = 5 * kUnit * kRoot3;
 constexpr double kDistanceError = 11 * kUnit;
-constexpr double kPowerSlope = 0.61;  // largest |d cos^n / d angle| / sqrt(n) for large n
 constexpr double kPowerError = (1.7e-7 + 4 * kUnit) / 2.718281828 + 7.5e-8 + 3 * kUnit;
 constexpr double kPowerFloor = 0x1p-20;
 constexpr double kFlushed = 0x1p-100;  // what underflow takes away, absolute
@@ -246,10 +246,7 @@ private:
             const double exponent = material.shininess, rv = glm::dot(2 * nl * n - l, toEye);
             const double shine = exponent == 0 ? 1 : std::pow(std::max(rv, 0.0), exponent);
             const double mirrorError = 2 * (normalError + nlError) + lightError + rayError + kUnitLengthError + 4 * kUnit;
-            const double shineError = exponent == 0
-                                          ? (rv < mirrorError ? 1 : 0)
-                                          : kPowerSlope * std::sqrt(std::max(exponent, 1.0)) * mirrorError +
-                                                exponent * mirrorError * mirrorError + kPowerError + (exponent >= 1 ? kPowerFloor : 1);
+            const double shineError = exponent == 0 ? 0 : truth::highlightError(exponent, mirrorError, kPowerFloor) + kPowerError;
             const bool lit = nl > 0, open = std::abs(nl) <= nlError;
             for (int i = 0; i < 3; ++i) {
                 const double intensity = light.intensity[i] * fade;

@@ -466,11 +466,27 @@ TEST(HitTriangle, IsNotEnteredLate) {
     }
 }
 
-TEST(OnSideOf, TakesOutWhatRunsAgainst) {
+TEST(LeastSlope, IsHalfThatOfTheRayAndNoMoreThanAThousandth) {
     const vec3 up(0, 1, 0);
-    EXPECT_EQ(onSideOf({0.6f, 0.8f, 0}, up), vec3(0.6f, 0.8f, 0));
-    EXPECT_NEAR(onSideOf({0.6f, -0.8f, 0}, up).x, 1, 16 * kUlp);
-    EXPECT_EQ(onSideOf({0.6f, -0.8f, 0}, up).y, 0.0f);
+    EXPECT_EQ(leastSlope({0.6f, -0.8f, 0}, up), 0x1p-10f);
+    EXPECT_EQ(leastSlope({0.6f, 0.8f, 0}, up), 0x1p-10f);
+    EXPECT_EQ(leastSlope({1, -0x1p-9f, 0}, up), 0x1p-10f);
+    EXPECT_EQ(leastSlope({1, -0x1p-12f, 0}, up), 0x1p-13f);
+    EXPECT_EQ(leastSlope({1, 0x1p-12f, 0}, up), 0x1p-13f);
+    EXPECT_EQ(leastSlope({1, 0, 0}, up), 0.0f);
+}
+
+TEST(OnSideOf, TurnsWhatRunsBelowTheSlope) {
+    const vec3 up(0, 1, 0);
+    EXPECT_EQ(onSideOf({0.6f, 0.8f, 0}, up, 0.5f), vec3(0.6f, 0.8f, 0));
+    EXPECT_NEAR(onSideOf({0.6f, -0.8f, 0}, up, 0).x, 1, 16 * kUlp);
+    EXPECT_EQ(onSideOf({0.6f, -0.8f, 0}, up, 0).y, 0.0f);
+    for (const float y : {-0.8f, 0.0f, 0.5f}) {
+        const vec3 turned = onSideOf({0.6f, y, 0}, up, 0.625f);
+        EXPECT_NEAR(turned.y, 0.625 / std::hypot(0.6, 0.625), 16 * kUlp) << y;
+        EXPECT_NEAR(turned.x, 0.6 / std::hypot(0.6, 0.625), 16 * kUlp) << y;
+    }
+    EXPECT_EQ(onSideOf({3, 4, 0}, up, 4), vec3(3, 4, 0));  // with the slope: as it is, not made unit
 }
 
 TEST(NormalForRays, IsTheSmoothOneUntilTheMirroredRayWouldRunIntoThePolygon) {
@@ -480,14 +496,21 @@ TEST(NormalForRays, IsTheSmoothOneUntilTheMirroredRayWouldRunIntoThePolygon) {
         const vec3 n = normalForRays(d, up, smooth_);
         return mirrored(d, n, -dot3(d, n));
     };
-    // Mirrored ray that would run below the polygon: it runs along the polygon, toward its image.
-    const vec3 below = mirroredAt(unitLength({-0.2f, -1, 0}), unitLength({3, 1, 0}));
-    EXPECT_NEAR(below.y, 0, 64 * kUlp);
+    // Direction above the polygon that a part of `across` along it and the least slope make.
+    const auto leaving = [](double across) { return 0x1p-10 / std::hypot(across, 0x1p-10); };
+    // Mirrored ray that would run below the polygon: it leaves with the least slope, toward its image.
+    const vec3 d = unitLength({-0.2f, -1, 0}), leaning = unitLength({3, 1, 0}), image = mirrored(d, leaning, -dot3(d, leaning));
+    ASSERT_LT(image.y, 0.0f);
+    const vec3 below = mirroredAt(d, leaning);
+    EXPECT_NEAR(below.y, leaving(double(image.x)), 64 * kUlp);
     EXPECT_NEAR(below.x, 1, 64 * kUlp);
-    // Met from behind: straight on, along the polygon.
+    // Mirrored ray above the polygon, with half of the least slope.
+    const vec3 shallow = mirroredAt({0, -1, 0}, unitLength({1, 1 + 0x1p-11f, 0}));
+    EXPECT_NEAR(shallow.y, 0x1p-10, 64 * kUlp);
+    // Met from behind: straight on, but for the least slope.
     const vec3 behind = mirroredAt(unitLength({1, -0.2f, 0}), unitLength({0.5f, 0.8f, 0.4f}));
     EXPECT_NEAR(behind.x, 1, 64 * kUlp);
-    EXPECT_NEAR(behind.y, 0, 64 * kUlp);
+    EXPECT_NEAR(behind.y, leaving(1 / std::hypot(1, 0.2)), 64 * kUlp);
     EXPECT_NEAR(behind.z, 0, 64 * kUlp);
     // A normal of another surface.
     EXPECT_EQ(normalForRays(unitLength({0.3f, -1, 0}), up, unitLength({0.3f, -1, 0})), up);
@@ -508,8 +531,8 @@ TEST(NormalForRays, IsContinuous) {
                 const vec3 smooth_(float(std::sin(tilt) * 0.8), float(std::cos(tilt)), float(std::sin(tilt) * 0.6));
                 const vec3 d = unitLength({float(-std::sin(slope)), -float(std::cos(slope)), 0});
                 const vec3 n = normalForRays(d, up, smooth_), m = mirrored(d, n, -dot3(d, n));
-                ASSERT_GE(m.y, -16 * float(kUlp)) << tilt << ", " << slope;
-                // Where the image is turned onto the polygon it is at least kLeastLean long before it is made unit.
+                ASSERT_GE(m.y, leastSlope(d, up) - 16 * float(kUlp)) << tilt << ", " << slope;
+                // Where the image is turned toward the polygon it is at least kLeastLean long before it is made unit.
                 if (i > 0) {
                     ASSERT_LE(double(glm::length(m - before)), 4 * step / double(kLeastLean)) << tilt << ", " << slope;
                 }
