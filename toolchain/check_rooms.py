@@ -4,10 +4,10 @@
 
 The order (a room may include itself and what stands before it):
 
-    shaders/shared < host < transform < scene < passes < render < truth < measure, bench, image < compare, report < cli < command < tests
+    shaders/shared < host < transform < choices < scene < passes < render < truth < measure, bench, image < compare, report < cli < command < tests
 
 Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
-render/ strings together. cli/ stands late and may include scene/ only: it turns words into a request and knows nothing of passes;
+render/ strings together. cli/ stands late and may include choices/ and scene/ only: it turns words into a request and knows nothing of passes;
 command/ ties all rooms together and is included by none.
 
 usage: check_rooms.py [ROOT]             exit 0: clean; 1: one line for each fault on stdout
@@ -32,18 +32,20 @@ ROOMS = {
         ["host", "shaders/shared/status.h", "shaders/shared/exact.h", "shaders/shared/selftest.h", "spirv"], ["vulkan", "fmt"]),
     "pipeline/transform": ("matrices in binary64, their steps and chains; knows no file and no pass",
         ["pipeline/transform"], ["glm", "fmt"]),
+    "pipeline/choices": ("what may be chosen of a picture: a row a word, with its value, help, verdict and bound; knows no scene and no pass",
+        ["pipeline/choices", "host/error.h"], ["fmt"]),
     "pipeline/scene": ("what is to be drawn: readers of files, meshes, materials, lights, cameras",
-        ["pipeline/scene", "pipeline/transform", "host/error.h"], ["glm", "fmt", "json", "toml"]),
+        ["pipeline/scene", "pipeline/choices", "pipeline/transform", "host/error.h"], ["glm", "fmt", "json", "toml"]),
     "pipeline/passes": ("one step of a picture: its CPU twin and the recorder of its kernel",
-        ["pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv"], ["glm", "fmt"]),
+        ["pipeline/passes", "pipeline/scene", "pipeline/choices", "pipeline/transform", "host", "shaders/shared", "spirv"], ["glm", "fmt"]),
     "pipeline/render": ("the plan of a picture, and the passes strung together, on the device and by the twin",
-        ["pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv"],
+        ["pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/choices", "pipeline/transform", "host", "shaders/shared", "spirv"],
         ["glm", "fmt"]),
     # Shares no function with the passes: of render/ it reads types only.
     "pipeline/truth": ("the picture in binary64, by code that shares no function with the passes",
         ["pipeline/truth", "pipeline/scene", "pipeline/render/render.h", "pipeline/render/frame.h", "host/error.h"], ["glm", "fmt"]),
     "pipeline/measure": ("error, bounds and times of every choice against one truth",
-        ["pipeline/measure", "pipeline/truth", "pipeline/render", "pipeline/scene", "host/error.h"], ["glm", "fmt"]),
+        ["pipeline/measure", "pipeline/truth", "pipeline/render", "pipeline/scene", "pipeline/choices", "host/error.h"], ["glm", "fmt"]),
     "pipeline/image": ("a picture as a file: PNG, EXR, NPY, eyes side by side, inks",
         ["pipeline/image", "pipeline/render", "pipeline/scene", "pipeline/passes/parallel.h", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
     "pipeline/compare": ("two pictures from files: every measure, gates, heat map",
@@ -52,9 +54,9 @@ ROOMS = {
     "pipeline/report": ("a measurement as one HTML file",
         ["pipeline/report", "pipeline/image", "host/error.h"], ["json"]),
     "pipeline/cli": ("the words of the command line as a request; knows no pass",
-        ["pipeline/cli", "pipeline/scene", "host/error.h"], ["cli", "glm", "fmt"]),
+        ["pipeline/cli", "pipeline/scene", "pipeline/choices", "host/error.h"], ["cli", "glm", "fmt"]),
     "pipeline/bench": ("the passes against other programs, and the claims of the lecture notes",
-        ["pipeline/bench", "pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/transform", "host", "shaders/shared", "spirv", "bench_spirv"],
+        ["pipeline/bench", "pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/choices", "pipeline/transform", "host", "shaders/shared", "spirv", "bench_spirv"],
         ["glm", "fmt", "eigen", "embree"]),
     "pipeline/command": ("the commands; ties all rooms together and is included by none",
         ["pipeline", "host"], ["cli", "glm", "fmt", "json"]),

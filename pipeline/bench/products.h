@@ -3,7 +3,7 @@
 #pragma once
 
 #include "host/recorder.h"
-#include "pipeline/passes/numbers.h"
+#include "pipeline/choices/trade.h"
 #include "shaders/shared/long_transform.h"
 #include "shaders/shared/product.h"
 

@@ -586,16 +586,10 @@ const char* nameOf(Aov aov) {
     static constexpr const char* kNames[] = {"color", "linear", "depth", "distance", "normal", "object_id", "primitive_id"};
     return kNames[size_t(aov)];
 }
-const char* nameOf(Shading shading) {
-    static constexpr const char* kNames[] = {"wire", "unlit", "flat", "gouraud", "phong", "ray"};
-    return kNames[size_t(shading)];
-}
-const char* nameOf(Fill f) { return f == Fill::notes ? "notes" : "exact"; }
 const char* nameOf(StereoForm form) {
     static constexpr const char* kNames[] = {"none", "pair", "side-by-side", "anaglyph"};
     return kNames[size_t(form)];
 }
-const char* nameOf(Encoding encoding) { return encoding == Encoding::srgb ? "srgb" : "linear"; }
 std::string versionText() { return PLUMB_VERSION; }
 
 Options parseOptions(const std::vector<std::string>& arguments) {

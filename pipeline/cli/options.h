@@ -165,10 +165,7 @@ std::string manPage();                                   // roff for man(1)
 std::string completionScript(const std::string& shell);  // bash, zsh, fish
 
 // "640x480" etc. as printed in messages and JSON.
-const char* nameOf(Shading);
-const char* nameOf(Fill);
 const char* nameOf(StereoForm);
-const char* nameOf(Encoding);
 std::string versionText();  // "0.1.0"
 
 }  // namespace plumb

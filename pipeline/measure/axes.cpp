@@ -181,11 +181,6 @@ const std::vector<Axis> kAxes = {
 
 }  // namespace
 
-const char* nameOf(Verdict verdict) {
-    static constexpr const char* kNames[] = {"bits", "bounded", "free"};
-    return kNames[size_t(verdict)];
-}
-
 std::string wordsOf(const Setting& s) {
     const RenderRequest& r = s.request;
     static constexpr const char* kShadings[] = {"wire", "unlit", "flat", "gouraud", "phong", "ray"};
@@ -224,7 +219,7 @@ uint32_t mostSamples(const Setting& base) {
     // Adaptive sampling takes that many where corners differ.
     uint32_t most = std::max(base.request.samples, 16u);
     for (const Axis& axis : kAxes)
-        for (const Choice& choice : axis.choices) {
+        for (const AxisChoice& choice : axis.choices) {
             if (choice.apply == nullptr) continue;
             Setting setting = base;
             choice.apply(setting);
@@ -236,7 +231,7 @@ uint32_t mostSamples(const Setting& base) {
 void apply(Setting& setting, const std::string& axisName, const std::string& choiceName) {
     const Axis& axis = axisOf(axisName);
     std::string accepted;
-    for (const Choice& choice : axis.choices) {
+    for (const AxisChoice& choice : axis.choices) {
         if (choice.apply != nullptr && choiceName == choice.name) return choice.apply(setting);
         if (choice.apply != nullptr) accepted += (accepted.empty() ? "" : ", ") + std::string(choice.name);
     }

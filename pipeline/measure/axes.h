@@ -2,6 +2,7 @@
 // The knobs that trade speed for accuracy: one axis each, with its choices. What a renderer could offer and this one does not is listed as absent.
 #pragma once
 
+#include "pipeline/choices/choice.h"
 #include "pipeline/render/render.h"
 
 #include <cstdint>
@@ -21,10 +22,7 @@ struct Setting {
 // The choices of a setting as words: equal words, equal work.
 std::string wordsOf(const Setting&);
 
-enum class Verdict { bits, bounded, free };
-const char* nameOf(Verdict);
-
-struct Choice {
+struct AxisChoice {
     const char* name;
     Verdict verdict;          // docs/accuracy.md
     void (*apply)(Setting&);  // null: absent
@@ -37,7 +35,7 @@ enum class Scope { raster, rays, both };
 struct Axis {
     const char* name;
     const char* what;  // one line for people
-    std::vector<Choice> choices;
+    std::vector<AxisChoice> choices;
     Scope scope = Scope::raster;
 };
 

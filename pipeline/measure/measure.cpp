@@ -92,7 +92,7 @@ private:
         for (const Axis* axis : plan_.axes)
             if (axis != &controlAxis()) axes.push_back(axis);
         for (const Axis* axis : axes)
-            for (const Choice& choice : axis->choices) {
+            for (const AxisChoice& choice : axis->choices) {
                 Row row;
                 row.axis = axis;
                 row.choice = &choice;

@@ -68,7 +68,7 @@ struct MeasuredRun {
 
 struct Row {
     const Axis* axis = nullptr;
-    const Choice* choice = nullptr;
+    const AxisChoice* choice = nullptr;
     bool baseline = false;
     std::optional<size_t> run;  // none: absent
     std::string why;            // absent, cut or without an error: why

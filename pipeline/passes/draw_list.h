@@ -2,7 +2,7 @@
 // Input of the passes: every drawn object of a scene, flattened for one picture. Device and twin read the same list.
 #pragma once
 
-#include "pipeline/passes/numbers.h"
+#include "pipeline/choices/trade.h"
 #include "shaders/shared/fill.h"
 #include "shaders/shared/illuminate.h"
 #include "shaders/shared/long_transform.h"

@@ -2,24 +2,14 @@
 // A finished picture and its planes, in host memory. Row 0 on top. Conventions: docs/outputs.md.
 #pragma once
 
+#include "pipeline/choices/planes.h"
+
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
 
 namespace plumb {
-
-enum Plane : uint32_t {
-    kPlaneColour = 1u,      // encoded RGBA8, always present
-    kPlaneLinear = 2u,      // linear RGB, 3 floats
-    kPlaneDepth = 4u,       // planar depth w in scene units; +infinity where nothing is drawn
-    kPlaneDistance = 8u,    // Euclidean distance from the eye; +infinity where nothing is drawn
-    kPlaneNormal = 16u,     // world space, unit, 3 floats; 0 where nothing is drawn
-    kPlaneObject = 32u,     // object_id, 0xFFFFFFFF where nothing is drawn
-    kPlanePrimitive = 64u,  // primitive_id (face in file order), 0xFFFFFFFF where nothing is drawn
-    kPlaneZ = 128u,         // the Z-buffer itself, n/w, larger is nearer, 0 where nothing is drawn (verify)
-    kPlaneTriangle = 256u,  // triangle index over the whole scene, 0xFFFFFFFF where nothing is drawn (verify)
-};
 
 struct Frame {
     uint32_t width = 0, height = 0;
@@ -47,21 +37,21 @@ void forEachPlane(const Body& body) {
     constexpr uint32_t kNothing = 0xffffffffu;
     constexpr float kFar = std::numeric_limits<float>::infinity();
     body(PlaneRow<uint32_t>{kPlaneTriangle, "triangle", 1, kNothing, ""}, &Frame::triangle);
-    body(PlaneRow<uint32_t>{kPlaneObject, "object_id", 1, kNothing, "order in the scene, 4294967295 where nothing is drawn"},
+    body(PlaneRow<uint32_t>{kPlaneObject, nameOf(kPlaneObject), 1, kNothing, "order in the scene, 4294967295 where nothing is drawn"},
          &Frame::object);
-    body(PlaneRow<uint32_t>{kPlanePrimitive, "primitive_id", 1, kNothing,
+    body(PlaneRow<uint32_t>{kPlanePrimitive, nameOf(kPlanePrimitive), 1, kNothing,
                             "face in file order before triangulation, 4294967295 where nothing is drawn"},
          &Frame::primitive);
     body(PlaneRow<float>{kPlaneZ, "z", 1, 0, ""}, &Frame::z);
-    body(PlaneRow<float>{kPlaneLinear, "linear", 3, 0, ""}, &Frame::linear);
+    body(PlaneRow<float>{kPlaneLinear, nameOf(kPlaneLinear), 3, 0, ""}, &Frame::linear);
     body(PlaneRow<uint32_t>{kPlaneColour, "colour", 1, 0, ""}, &Frame::rgba);
-    body(PlaneRow<float>{kPlaneDepth, "depth", 1, kFar,
+    body(PlaneRow<float>{kPlaneDepth, nameOf(kPlaneDepth), 1, kFar,
                          "Z: planar depth along the view axis, scene units, +infinity where nothing is drawn"},
          &Frame::depth);
-    body(PlaneRow<float>{kPlaneDistance, "distance", 1, kFar,
+    body(PlaneRow<float>{kPlaneDistance, nameOf(kPlaneDistance), 1, kFar,
                          "Euclidean distance from the eye, scene units, +infinity where nothing is drawn"},
          &Frame::distance);
-    body(PlaneRow<float>{kPlaneNormal, "normal", 3, 0, "world space, unit length, 0 where nothing is drawn"}, &Frame::normal);
+    body(PlaneRow<float>{kPlaneNormal, nameOf(kPlaneNormal), 3, 0, "world space, unit length, 0 where nothing is drawn"}, &Frame::normal);
 }
 
 }  // namespace plumb

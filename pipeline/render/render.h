@@ -4,7 +4,8 @@
 
 #include "host/device.h"
 #include "host/recorder.h"
-#include "pipeline/passes/numbers.h"
+#include "pipeline/choices/choices.h"
+#include "pipeline/choices/trade.h"
 #include "pipeline/render/frame.h"
 #include "pipeline/render/plan.h"
 #include "pipeline/scene/scene.h"
@@ -18,27 +19,6 @@
 #include <vector>
 
 namespace plumb {
-
-// What a picture may do faster and less accurately, beside its shading and samples (docs/measure.md). The defaults are the most accurate.
-struct Trade {
-    enum class Specular { exact, schlick, native };
-    enum class Vectors { pixel, vertex, face, scene };
-
-    static constexpr uint32_t kStandardDepth = 33;  // as depthBits
-
-    Specular specular = Specular::exact;
-    Vectors vectors = Vectors::pixel;  // Phong: where directions to the eye and to each light are made; scene: at the framed centre
-    Numbers numbers = Numbers::fp32;   // in which vertices are transformed; the other two are more accurate
-    bool affine = false;               // attributes interpolated without perspective
-    uint32_t depthBits = 32;           // 32: n/w as float32; kStandardDepth: float32 of 1 - n/w; 16, 24: n/w as fixed point
-    uint32_t subpixelBits = 8;         // 8, 4: what vertices are snapped to
-    bool unitNormals = true;           // false: interpolated normals are not made unit at pixels (Phong)
-    bool coarse = false;               // one pixel in 2 x 2 is shaded (Phong)
-    bool nativeEncode = false;         // sRGB by the device's pow
-    // The device's own functions, whose last bits are its own: the twin is not equal to the device, but within a bound (bound.h).
-    bool native() const { return specular == Specular::native || nativeEncode; }
-    bool operator==(const Trade&) const = default;
-};
 
 // Where rays pass through a pixel, how they spread, and how their colours add up (traced pictures; docs/rays.md).
 struct RayChoices {

@@ -2,6 +2,7 @@
 // A scene as the user means it: binary64 world space, before anything is planned.
 #pragma once
 
+#include "pipeline/choices/choices.h"
 #include "pipeline/scene/mesh.h"
 #include "pipeline/transform/step.h"
 
@@ -13,23 +14,6 @@
 
 namespace plumb {
 
-enum class Shading { wire, unlit, flat, gouraud, phong, ray };
-enum class Fill { exact, notes };                   // 8 sub-pixel bits and the top-left rule, or the polygon fill of the lecture notes
-enum class WireView { seeThrough, culled, solid };  // every edge; of polygons that face the viewer; hidden lines removed
-enum class Encoding { srgb, linear };
-// Positions at which rays pass through a pixel (docs/rays.md).
-enum class Sampling {
-    grid,      // the middle of each sample's square
-    centre,    // every sample through the pixel's middle
-    random,    // anywhere in the sample's square
-    corners,   // the pixel's corners, each ray shared by up to four pixels; samples 1
-    adaptive,  // corners; where they differ, the 16 samples of the grid instead; samples 1
-    notes,     // each sample's lower right corner, where the notes' C program looks
-};
-inline const char* nameOf(Sampling sampling) {
-    constexpr const char* kNames[] = {"grid", "centre", "random", "corners", "adaptive", "notes"};
-    return kNames[size_t(sampling)];
-}
 enum class Attenuation { none, inverse, inverseSquare };
 
 struct Object {

@@ -182,7 +182,7 @@ TEST(Axes, HaveDistinctNamesAndReasons) {
         EXPECT_TRUE(names.insert(axis.name).second) << axis.name;
         EXPECT_EQ(&axisOf(axis.name), &axis);
         std::set<std::string> choices;
-        for (const Choice& choice : axis.choices) {
+        for (const AxisChoice& choice : axis.choices) {
             EXPECT_TRUE(choices.insert(choice.name).second) << axis.name;
             EXPECT_STRNE(choice.why, "") << axis.name << ' ' << choice.name;
         }

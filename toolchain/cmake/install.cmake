@@ -3,7 +3,7 @@
 # man page, completions, licences. Nothing installed refers to the source or build tree.
 include(CMakePackageConfigHelpers)
 
-set(rooms plumb_host plumb_transform plumb_scene plumb_passes plumb_recorders plumb_render plumb_image)
+set(rooms plumb_host plumb_transform plumb_choices plumb_scene plumb_passes plumb_recorders plumb_render plumb_image)
 add_library(plumbline STATIC)
 set_target_properties(plumbline PROPERTIES LINKER_LANGUAGE CXX)
 foreach(room ${rooms})
@@ -16,7 +16,7 @@ target_include_directories(plumbline INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTA
 
 # Public headers keep their rooms below include/plumbline/, and name each other from there.
 set(headers host/device.h host/error.h host/buffer.h host/module.h host/program.h host/recorder.h pipeline/transform/step.h pipeline/scene/scene.h pipeline/scene/mesh.h pipeline/scene/positions.h
-    pipeline/scene/load.h pipeline/scene/sha256.h pipeline/passes/numbers.h pipeline/render/frame.h pipeline/render/plan.h pipeline/render/render.h pipeline/image/image.h)
+    pipeline/scene/load.h pipeline/scene/sha256.h pipeline/choices/choice.h pipeline/choices/choices.h pipeline/choices/planes.h pipeline/choices/trade.h pipeline/render/frame.h pipeline/render/plan.h pipeline/render/render.h pipeline/image/image.h)
 set(staged ${CMAKE_BINARY_DIR}/generated/include/plumbline)
 set(outputs "")
 foreach(header ${headers} pipeline/plumbline.hpp)
