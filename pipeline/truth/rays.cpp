@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/truth/rays.h"
 
+#include "pipeline/truth/highlight_error.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -29,12 +31,36 @@ double sizeOf(const Vec3<Real>& v) {
     return std::abs(double(v.x)) + std::abs(double(v.y)) + std::abs(double(v.z));
 }
 
+constexpr double kSingle = 0x1p-24;          // unit round-off of float32
+constexpr double kUnitLength = 9 * kSingle;  // error of the length of the passes' unit vectors (unitLength)
+
+// Arithmetic of a tree: what it computes in, and the unit round-off in which its errors are counted.
+template <class Number>
+struct Computed {
+    using Real = Number;
+    static constexpr double kUnit = kUnitOf<Number>;
+    static constexpr bool kDrawn = false;
+};
+// Binary64 with the errors of the passes (docs/derivations.md, A traced picture). Two float32 round-offs for each that is counted, since
+// the passes' formulas are others.
+struct AsDrawn {
+    using Real = double;
+    static constexpr double kUnit = 2 * kSingle;
+    static constexpr bool kDrawn = true;
+};
+constexpr double kDrawnVague = 0x1p-6;     // errors above it are no longer of first order
+constexpr double kDrawnNothing = 0x1p-20;  // linear light: open decisions about less are part of the bound
+// Error of specularPower, and the least base of its power (shade.h).
+constexpr double kPowerError = (1.7e-7 + 4 * kSingle) / 2.718281828 + 7.5e-8 + 3 * kSingle, kPowerFloor = 0x1p-20;
+
 // Follows one tree of rays.
-template <class Real>
+template <class Arithmetic>
 class Tracer {
 public:
+    using Real = typename Arithmetic::Real;
     using V = Vec3<Real>;
-    static constexpr double kUnit = kUnitOf<Real>;
+    static constexpr double kUnit = Arithmetic::kUnit;
+    static constexpr bool kDrawn = Arithmetic::kDrawn;
     static constexpr bool kLast = std::is_same_v<Real, Quad>;  // nothing more exact follows: what is open is counted
 
     Tracer(const RayWorld& world, const glm::dvec3& sky, const RayLimits& limits, double brightest, double farthest, double leastWeight)
@@ -52,10 +78,19 @@ public:
         ray.length = lengthOf(ray.pointing);
         ray.direction = ray.pointing * (1 / ray.length);
         ray.directionError = 12 * kUnit;
+        if (kDrawn) {
+            // Three rounded rows, two products and two sums of parts that cancel, and a product more; sqrt(3) for the vector.
+            const double parts = (p.focal + p.width + p.height + std::abs(x) + std::abs(y)) / double(ray.length);
+            ray.directionError = 1.7320509 * kSingle * (5 * parts + 2);
+        }
         follow(ray);
     }
+    bool primaryIsOpen() const { return primaryOpen_; }
+    const glm::dvec3& bound() const { return bound_; }
+    double distanceError() const { return distanceError_; }
     bool doubtful() const { return doubtful_; }
     bool tooMany() const { return rays_ > limits_.mostRays; }
+    uint32_t rays() const { return rays_; }
     uint64_t undecided() const { return undecided_; }
     const RaySeen& seen() const { return seen_; }
 
@@ -88,6 +123,11 @@ private:
 
     // More than `stake` of a colour hangs on what is open.
     void doubt(double stake) {
+        if (kDrawn) {
+            open_ += stake;
+            doubtful_ = !(open_ <= kDrawnNothing);
+            return;
+        }
         if (!(stake > kNothing)) return;
         doubtful_ = true;
         undecided_ += kLast;
@@ -219,25 +259,26 @@ private:
         Number of[3];
         double error = 0;  // of each
         double size = 0;   // no corner is farther from the origin
+        double edge = 0;   // length of the longest
     };
     template <class Number>
     static Volumes<Number> volumesOf(const Facet<Number>& f, const Vec3<Number>& o, const Vec3<Number>& d, double originError,
-                                     double directionError) {
+                                     double directionError, double unit) {
         const Vec3<Number> a = f.corner[0] - o, b = f.corner[1] - o, c = f.corner[2] - o, ab = f.corner[1] - f.corner[0],
                            bc = f.corner[2] - f.corner[1], ca = f.corner[0] - f.corner[2];
-        constexpr double kOwnUnit = kUnitOf<Number>;
         Volumes<Number> v;
         v.first = a;
         v.of[0] = along(d, across(b, bc));
         v.of[1] = along(d, across(c, ca));
         v.of[2] = along(d, across(a, ab));
         const double edge = std::max({sizeOf(ab), sizeOf(bc), sizeOf(ca)});
+        v.edge = edge;
         v.size = sizeOf(a) + edge;
         // d moves b x (c - b) by no more than |b| |c - b|; an origin that moves, moves it by itself times |c - b|; a corner by its error times the distance from
         // the other to the ray's line.
         const double aside = sizeOf(across(a, d)) + edge + v.size * directionError;
-        v.error = v.size * edge * (directionError + 16 * kOwnUnit) + originError * edge +
-                  2 * (f.cornerError + 4 * kOwnUnit * (v.size + sizeOf(o))) * aside;
+        v.error = v.size * edge * (directionError + 16 * unit) + originError * edge +
+                  2 * (f.cornerError + 4 * unit * (v.size + sizeOf(o))) * aside;
         return v;
     }
     template <class Number>
@@ -253,11 +294,12 @@ private:
         if constexpr (!std::is_same_v<Real, double>) {
             // What binary64 finds clearly missed, with the ray rounded to it, need not be made again.
             const Vec3<double> o(rounded(r.origin)), d(rounded(r.direction));
-            if (clearlyMissed(volumesOf(world_.facet(i), o, d, r.originError + 0x1p-52 * sizeOf(o), r.directionError + 0x1p-51))) return h;
+            if (clearlyMissed(volumesOf(world_.facet(i), o, d, r.originError + 0x1p-52 * sizeOf(o), r.directionError + 0x1p-51, 0x1p-53)))
+                return h;
         }
         const auto& f = facetOf(i);
         const V& d = r.direction;
-        const Volumes<Real> v = volumesOf(f, r.origin, d, r.originError, r.directionError);
+        const Volumes<Real> v = volumesOf(f, r.origin, d, r.originError, r.directionError, kUnit);
         if (clearlyMissed(v)) return h;
         bool front = true, back = true, open = false;
         for (const Real& volume : v.of) {
@@ -275,15 +317,17 @@ private:
         }
         h.t = height / slope;
         h.error = (heightError + std::abs(double(h.t)) * slopeError) / std::abs(double(slope));
+        const Real sum = v.of[0] + v.of[1] + v.of[2];
+        if (sum != 0) {
+            for (int k = 0; k < 3; ++k) h.share[k] = v.of[k] / sum;
+            h.shareError = 4 * v.error / std::abs(double(sum));
+        }
+        // The passes' distance and point are means of the corners', by the shares.
+        if (kDrawn) h.error += sum != 0 ? 3 * h.shareError * v.edge + 8 * u * v.size : kInfinity;
         if (double(h.t) < -h.error) return h;
         h.leaves = slope > 0;
         h.counts = (front || back) && h.t > 0;
         h.sure = !open && double(h.t) > h.error;
-        const Real sum = v.of[0] + v.of[1] + v.of[2];
-        if (h.counts && sum != 0) {
-            for (int k = 0; k < 3; ++k) h.share[k] = v.of[k] / sum;
-            h.shareError = 4 * v.error / std::abs(double(sum));
-        }
         return h;
     }
 
@@ -320,12 +364,15 @@ private:
                 });
         }
         if (best.kind != Kind::none && !best.sure) rival = -kInfinity;
-        if (rival <= (best.kind == Kind::none ? kInfinity : best.high()) && rival < kInfinity) doubt(r.weight * brightest_);
+        if (rival <= (best.kind == Kind::none ? kInfinity : best.high()) && rival < kInfinity) {
+            doubt(r.weight * brightest_);
+            primaryOpen_ |= r.depth == 1;
+        }
         return best;
     }
     double padOf(const Ray& r, const glm::dvec3& o) const {
-        return r.originError +
-               (std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}) + world_.reach()) * (2 * r.directionError + 0x1p-46);
+        return r.originError + (std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}) + world_.reach()) *
+                                   (2 * r.directionError + (kDrawn ? 16 * kUnit : 0x1p-46));
     }
 
     // Where, and which way the surface faces there.
@@ -334,7 +381,8 @@ private:
         V bends;                     // the normal of mirrored and refracted rays
         double placeError = 0, geometricError = 0, normalError = 0, bendsError = 0;
         uint32_t material = 0;
-        bool within = false;  // the ray runs with the outward normal
+        double leavingError = 0;  // of the origin of a ray that leaves
+        bool within = false;      // the ray runs with the outward normal
     };
     Surface surfaceOf(const Ray& r, const Hit& h) {
         Surface s;
@@ -359,6 +407,11 @@ private:
             s.geometricError = f.normalError;
             s.material = world_.materialOfFacet(h.index);
         }
+        s.leavingError = s.placeError;
+        if (kDrawn) {
+            s.geometricError += kUnitLength;
+            s.leavingError += shiftOf(h, s);
+        }
         if (s.within) s.geometric = -s.geometric;
         s.normal = s.geometric;
         s.normalError = s.geometricError;
@@ -366,6 +419,14 @@ private:
         s.bendsError = s.geometricError;
         if (h.kind == Kind::facet) smooth(r, h, s);
         return s;
+    }
+    // No less than the passes move an origin off the surface: twice its error, which is 12 u of radius and coordinates at most (leaveSurface).
+    double shiftOf(const Hit& h, const Surface& s) const {
+        double size = sizeOf(s.place);
+        if (h.kind == Kind::sphere) size += scene_.spheres[h.index].radius;
+        if (h.kind == Kind::facet)
+            for (const V& corner : facetOf(h.index).corner) size = std::max(size, sizeOf(corner));
+        return 4 * 12 * kSingle * size;
     }
     // The interpolated normal, and the one that bends rays (docs/illumination.md).
     void smooth(const Ray& r, const Hit& h, Surface& s) {
@@ -378,7 +439,7 @@ private:
                                         double(lengthOf(f.smooth[2] - f.smooth[1]))});
         n = unitOf(n);
         if (s.within) n = -n;
-        const double error = 2 * h.shareError * spread / length + 16 * kUnit / length;
+        const double error = 2 * h.shareError * spread / length + 16 * kUnit / length + (kDrawn ? kUnitLength : 0);
         s.normal = n;
         s.normalError = error;
         bend(r, s);
@@ -469,7 +530,8 @@ private:
         Hit h = hitPlane(i, r);
         const PlaneShape& p = scene_.planes[i];
         const V q = r.origin + r.direction * h.t - centreOf(p.point);
-        const double error = r.originError + std::abs(double(h.t)) * r.directionError + h.error + 0x1p-40 * (1 + double(lengthOf(q)));
+        const double error = r.originError + std::abs(double(h.t)) * r.directionError + h.error + 0x1p-40 * (1 + double(lengthOf(q))) +
+                             (kDrawn ? 8 * kUnit * (sizeOf(centreOf(p.point)) + sizeOf(r.origin) + std::abs(double(h.t))) : 0);
         const double a = double(along(q, V(p.u))), b = double(along(q, V(p.v)));
         h.sure = double(h.t) > h.error && a > p.uMin + error && a < p.uMax - error && b > p.vMin + error && b < p.vMax - error;
         return h;
@@ -478,6 +540,7 @@ private:
     glm::dvec3 localOf(const Ray& r, const Hit& h, const Surface& s, double weight) {
         const Material& m = world_.material(s.material);
         glm::dvec3 colour = glm::dvec3(m.ambient) * glm::dvec3(scene_.ambient) + glm::dvec3(m.emission);
+        glm::dvec3 most = colour;  // without shadows
         const glm::dvec3 n = rounded(s.normal), v = -rounded(r.direction);
         for (uint32_t i = 0; i < scene_.lights.size() && !stops(); ++i) {
             const Light& light = scene_.lights[i];
@@ -504,13 +567,17 @@ private:
             const glm::dvec3 added = fade * glm::dvec3(light.intensity) * (glm::dvec3(m.diffuse) * nl + glm::dvec3(m.specular) * shine);
             const double stake = weight * largest(added);
             if (double(cosine) <= cosineOpen || double(above) <= aboveOpen) doubt(stake);
+            if constexpr (kDrawn) {
+                most += added;
+                boundLight(r, s, m, light, fade, error, added, weight);
+            }
             if (!(cosine > 0 && above > 0)) continue;
             if (!(largest(added) > 0)) continue;
             double share = 1;
             if (scene_.shadows) {
                 Ray feeler;
                 feeler.origin = s.place;
-                feeler.originError = s.placeError;
+                feeler.originError = s.leavingError;
                 feeler.direction = l;
                 feeler.directionError = error;
                 feeler.kind = h.kind;
@@ -521,7 +588,22 @@ private:
             }
             colour += share * added;
         }
+        if (kDrawn) bound_ += weight * most * ((2 + double(scene_.lights.size())) * kUnit);
         return colour;
+    }
+    // What the errors of normal, light and eye make of one light's part.
+    void boundLight(const Ray& r, const Surface& s, const Material& m, const Light& light, double fade, double lightError,
+                    const glm::dvec3& added, double weight) {
+        const double towardError = lightError + kUnitLength, viewError = r.directionError + kUnitLength;
+        const double diffuseError = s.normalError + towardError + kUnit;
+        const double mirrorError = 2 * (s.normalError + diffuseError) + towardError + viewError + kUnit;
+        const double n = m.shininess;
+        const double shineError = n == 0 ? 0 : std::min(1.0, highlightError(n, mirrorError, kPowerFloor) + kPowerError);
+        const double fadeError = (light.directional ? 0 : int(light.attenuation)) * towardError + kUnit;
+        if (mirrorError > kDrawnVague) doubt(weight * largest(added + glm::dvec3(light.intensity) * fade));
+        bound_ +=
+            weight * (fade * glm::dvec3(light.intensity) * (glm::dvec3(m.diffuse) * diffuseError + glm::dvec3(m.specular) * shineError) +
+                      fadeError * added);
     }
 
     void follow(const Ray& r) {
@@ -530,19 +612,25 @@ private:
         if (stops()) return;
         if (h.kind == Kind::none) {
             seen_.colour += r.weight * sky_;
+            if (kDrawn) bound_ += r.weight * sky_ * (r.depth * kUnit);
             return;
         }
         const Surface s = surfaceOf(r, h);
         if (stops()) return;
         if (r.depth == 1) note(h);
         const RayShares shares = world_.shares(s.material);
-        if (shares.local > 0) seen_.colour += r.weight * double(shares.local) * localOf(r, h, s, r.weight * double(shares.local));
+        if (shares.local > 0) {
+            const glm::dvec3 own = r.weight * double(shares.local) * localOf(r, h, s, r.weight * double(shares.local));
+            seen_.colour += own;
+            if (kDrawn) bound_ += own * (r.depth * kUnit);
+        }
         if (stops()) return;
         sendOn(r, h, s, shares);
     }
 
     void note(const Hit& h) {
         seen_.distance = double(h.t);
+        distanceError_ = h.error + 4 * kUnit * double(h.t);
         seen_.primitive = 0;
         if (h.kind == Kind::sphere) seen_.object = uint32_t(scene_.objects.size()) + h.index;
         if (h.kind == Kind::plane) seen_.object = uint32_t(scene_.objects.size() + scene_.spheres.size()) + h.index;
@@ -561,7 +649,7 @@ private:
         const double bend = double(ratio);
         const Real square = index == 1 ? cosine * cosine : 1 - ratio * ratio * (1 - cosine * cosine);
         bool total = false;
-        if (shares.transmit > 0 && index != 1) {
+        if (shares.transmit > 0 && (index != 1 || kDrawn)) {
             const double open =
                 bend * bend * (2 * std::abs(double(cosine)) * cosineError + cosineError * cosineError) + 8 * u * (1 + bend * bend);
             if (std::abs(double(square)) <= open) doubt(r.weight * double(shares.transmit) * brightest_);
@@ -569,7 +657,7 @@ private:
         }
         Ray child;
         child.origin = s.place;
-        child.originError = s.placeError;
+        child.originError = s.leavingError;
         child.depth = r.depth + 1;
         child.kind = h.kind;
         child.index = h.index;
@@ -585,9 +673,12 @@ private:
         if (index == 1) {
             child.direction = r.direction;
             child.directionError = r.directionError;
+            // The passes refract it, too: their radicand is the cosine squared, rounded.
+            if (kDrawn) child.directionError += 12 * u + std::min(2 * u / std::max(double(cosine), u), std::sqrt(2 * u));
         } else {
             const Real root = rootOf(square);
-            const double steep = double(root) > 0 ? bend * bend * std::abs(double(cosine)) * cosineError / double(root) : 1;
+            const double steep =
+                double(root) > 0 ? (bend * bend * std::abs(double(cosine)) * cosineError + 4 * u * (1 + bend * bend)) / double(root) : 1;
             child.direction = unitOf(r.direction * ratio + s.bends * (ratio * cosine - root));
             child.directionError = bend * r.directionError + (bend + 1) * s.bendsError + bend * cosineError + steep + 16 * u * (1 + bend);
             if (h.kind == Kind::facet) leave(r, s, child);
@@ -607,14 +698,17 @@ private:
     }
     void send(const Ray& child) {
         if (child.weight == 0) return;
+        if (kDrawn && child.depth <= limits_.maxDepth && std::abs(child.weight - leastWeight_) <= child.depth * kUnit * leastWeight_)
+            doubt(child.weight * brightest_);
         if (child.depth > limits_.maxDepth || child.weight < leastWeight_) {
             seen_.leftOut += child.weight;
             return;
         }
-        if (child.directionError > kVagueDirection || child.directionError * child.weight * brightest_ > kVagueColour)
+        if (kDrawn ? child.directionError > kDrawnVague
+                   : child.directionError > kVagueDirection || child.directionError * child.weight * brightest_ > kVagueColour)
             doubt(child.weight * brightest_);
         if (stops()) return;
-        if (child.directionError > kVagueDirection) {  // counted; from here on the ray is taken as it is
+        if (!kDrawn && child.directionError > kVagueDirection) {  // counted; from here on the ray is taken as it is
             Ray known = child;
             known.originError = known.directionError = kUnit;
             follow(known);
@@ -634,6 +728,10 @@ private:
     uint32_t rays_ = 0;
     bool doubtful_ = false;
     uint64_t undecided_ = 0;
+    // As drawn: error of the colour, and what hangs on decisions that are open.
+    glm::dvec3 bound_{0};
+    double open_ = 0, distanceError_ = 0;
+    bool primaryOpen_ = false;
 };
 
 }  // namespace
@@ -648,21 +746,32 @@ RayTruth::RayTruth(const RayWorld& world, const Pinhole& pinhole, const glm::dve
 
 RaySeen RayTruth::look(double x, double y) {
     for (double least = limits_.leastWeight;; least *= kCoarserCut) {
-        Tracer<double> fast(world_, sky_, limits_, brightest_, farthest_, least);
+        Tracer<Computed<double>> fast(world_, sky_, limits_, brightest_, farthest_, least);
         fast.look(pinhole_, x, y);
         if (fast.tooMany()) continue;
         if (!fast.doubtful()) return fast.seen();
         ++redone_;
-        Tracer<long double> middle(world_, sky_, limits_, brightest_, farthest_, least);
+        Tracer<Computed<long double>> middle(world_, sky_, limits_, brightest_, farthest_, least);
         middle.look(pinhole_, x, y);
         if (middle.tooMany()) continue;
         if (!middle.doubtful()) return middle.seen();
-        Tracer<Quad> slow(world_, sky_, limits_, brightest_, farthest_, least);
+        Tracer<Computed<Quad>> slow(world_, sky_, limits_, brightest_, farthest_, least);
         slow.look(pinhole_, x, y);
         if (slow.tooMany()) continue;
         undecided_ += slow.undecided();
         return slow.seen();
     }
+}
+
+RayDrawn RayTruth::lookDrawn(double x, double y) {
+    Tracer<AsDrawn> tracer(world_, sky_, limits_, brightest_, farthest_, limits_.leastWeight);
+    tracer.look(pinhole_, x, y);
+    RayDrawn out;
+    out.seen = tracer.seen();
+    out.decided = !tracer.doubtful() && !tracer.primaryIsOpen() && !tracer.tooMany();
+    out.bound = tracer.bound() + out.seen.colour * (tracer.rays() * kSingle) + kDrawnNothing;
+    out.distanceError = tracer.distanceError();
+    return out;
 }
 
 }  // namespace plumb::truth

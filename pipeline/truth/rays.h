@@ -30,6 +30,14 @@ struct RaySeen {
     double leftOut = 0;          // sum of the weights of the rays that were not followed
 };
 
+// Ray of a scene as it is drawn (drawn.h), with what the passes' arithmetic may make of it (docs/derivations.md, A traced picture).
+struct RayDrawn {
+    RaySeen seen;
+    glm::dvec3 bound{0};       // no channel is drawn further from the colour
+    double distanceError = 0;  // scene units
+    bool decided = false;      // false: the passes' errors leave open what is met, lit or followed, and the bound says nothing
+};
+
 // Tracer for one thread.
 class RayTruth {
 public:
@@ -37,6 +45,7 @@ public:
 
     // Traces the ray through (X, Y) of the screen, from its middle, in the pinhole's samples.
     RaySeen look(double x, double y);
+    RayDrawn lookDrawn(double x, double y);
     uint64_t redone() const { return redone_; }        // trees that were traced again
     uint64_t undecided() const { return undecided_; }  // decisions that binary128 leaves open
 

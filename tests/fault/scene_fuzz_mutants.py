@@ -3,7 +3,7 @@
 """Shows that scene_fuzz_test can fail: each row plants a fault in one unit of one side, or of both, and random scenes must find it.
 
 A changed unit is compiled as the build compiles it, without optimisation, and linked before the library that holds the original. A row may change a header
-instead, for that unit alone. Printed is the number of scenes that were drawn before the fault was found.
+instead, for that unit alone, or a contract for both sides alike: the twin's units and the SPIR-V modules that read it (toolchain/run_plants.py). Printed is the number of scenes that were drawn before the fault was found.
 
 usage: scene_fuzz_mutants.py BUILD [WORD]    only those whose claim has the word
 """
@@ -14,13 +14,16 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import types
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../.."))
 sys.path.insert(0, os.path.join(ROOT, "toolchain"))
 import compile_words  # noqa: E402
+import run_plants  # noqa: E402
 
 PROGRAM, MOST_SCENES = "scene_fuzz_test", 1000
-# (what then happens, unit, file that is changed, text, its replacement)
+BOTH_SIDES = "both sides"
+# (what then happens, unit or both sides, file that is changed, text, its replacement)
 MUTANTS = [
     ("an undrawn picture of the device is black in linear", "pipeline/render/planes.cpp", None,
      "std::copy_n(&prepared_.undrawnLinear.x, 3, frame_.linear.begin() + ptrdiff_t(3 * i));", "std::fill_n(frame_.linear.begin() + ptrdiff_t(3 * i), 3, 0.0f);"),
@@ -30,6 +33,8 @@ MUTANTS = [
      "gpu::otherSquare(hit.u, hit.v, p.square, p.mirrored)", "gpu::otherSquare(hit.u, hit.v, p.square, false)"),
     ("both sides light mirrored objects from behind: the truth knows", "pipeline/render/draw_list_of.cpp", None,
      "* (mirrored ? -1 : 1)", "* 1"),
+    ("both sides lose what total reflection reflects: the truth of rays knows", BOTH_SIDES, "shaders/shared/trace.h",
+     "pick(passes, mirrorShare, mirrorShare + passShare)", "mirrorShare"),
 ]
 
 
@@ -45,6 +50,8 @@ def judge(build, work, mutant, lines):
         text = f.read()
     if text.count(old) != 1:
         return f"the text to change stands {text.count(old)} times in {changed}"
+    if unit == BOTH_SIDES:
+        return found_by(planted_alike(build, work, changed, text.replace(old, new)), work)
     place = os.path.join(work, changed)
     if changed != unit:  # a quoted include looks beside the file that names it first
         shutil.copytree(os.path.join(ROOT, "shaders"), os.path.join(work, "shaders"), dirs_exist_ok=True)
@@ -67,6 +74,17 @@ def judge(build, work, mutant, lines):
     done = subprocess.run([*words[:at], made, *words[at:]], cwd=build, capture_output=True, text=True, check=False)
     if done.returncode:
         return f"does not link: {done.stderr[-600:]}"
+    return found_by(run, work)
+
+
+def planted_alike(build, work, changed, text):
+    """The program with the changed contract in it, on both sides."""
+    row = types.SimpleNamespace(program=PROGRAM, side="both", file=os.path.relpath(changed, "shaders"))
+    return list(run_plants.Worker(run_plants.Build(build), work, 0).attempts([row], {row.file: text}))[-1]
+
+
+def found_by(run, work):
+    """The number of the scene by which the program finds the fault, or what went wrong."""
     environment = {**os.environ, "PLUMB_FUZZ_FIND": "1", "PLUMB_FUZZ_SCENES": str(MOST_SCENES)}
     done = subprocess.run([run, "--gtest_filter=SceneFuzz.DeviceEqualsTwin"], cwd=work, env=environment, capture_output=True, text=True, timeout=600, check=False)
     found = re.search(r"found by scene (\d+)", done.stdout)

@@ -84,9 +84,21 @@ std::string tradeOf(Dice& dice) {
     return words;
 }
 
-Family familyOf(uint64_t seed, uint64_t index, bool heldAgainstTruth) {
+// What the truth is compared with. Traced scenes have further numbers of lights and shapes, which no kernel is made for.
+enum class Held { no, raster, rays };
+Held heldOf(uint64_t index) { return index % kTruthEvery == 0 ? Held::raster : index % kTruthEvery == kRayTruthAt ? Held::rays : Held::no; }
+
+Family familyOf(uint64_t seed, uint64_t index, Held held) {
     Family f;
-    if (heldAgainstTruth) {
+    if (held == Held::rays) {
+        f.kind = Kind::ray;
+        f.shading = "ray";
+        f.pointLights = f.mirrors = true;
+        f.glass = index % 2 == 0;
+        f.settings = {"shading = \"ray\""};
+        return f;
+    }
+    if (held == Held::raster) {
         f.lights = 2;
         f.pointLights = true;
         f.meshes = 3;
@@ -262,12 +274,24 @@ FuzzScene::Mesh meshOf(Dice& dice) {
 class Maker {
 public:
     Maker(uint64_t seed, uint64_t index)
-        : dice_(seed, 2 * index), truth_(index % kTruthEvery == 0), family_(familyOf(seed, index / kScenesOfFamily, truth_)) {}
+        : dice_(seed, 2 * index),
+          truth_(heldOf(index) != Held::no),
+          rays_(heldOf(index) == Held::rays),
+          family_(familyOf(seed, index / kScenesOfFamily, heldOf(index))) {}
 
     FuzzScene make() {
         s_.settings = family_.settings;
         s_.flags = family_.flags;
         s_.heldAgainstTruth = truth_;
+        s_.rays = rays_;
+        if (rays_) {
+            family_.lights = 1 + dice_.below(3);
+            family_.meshes = 1 + dice_.below(2);
+            family_.spheres = 1 + dice_.below(3);
+            family_.planes = 1 + dice_.below(2);
+            s_.settings.push_back(fmt::format("max_depth = {}", 1 + dice_.below(4)));
+            if (dice_.chance(0.3)) s_.settings.push_back(fmt::format("min_weight = {}", number(dice_.magnitude(-3, -1))));
+        }
         if (!truth_ && dice_.chance(0.25)) s_.flags.emplace_back("--background transparent");  // no kernel is made for it
         static const std::vector<std::pair<uint32_t, uint32_t>> kSizes = {{63, 17}, {48, 36}, {64, 48}, {33, 65}, {17, 9}, {80, 45},
                                                                           {16, 8},  {1, 1},   {1, 40},  {70, 1},  {97, 31}};
@@ -360,7 +384,8 @@ private:
             // The scale is the vertices' or the matrix's; and so is an offset, which the one adds and the other takes away again.
             const double inVertices = dice_.chance(0.5) ? unit_ : 1;
             Point offset{0, 0, 0};
-            if (dice_.chance(0.2)) offset = times(dice_.direction(), dice_.magnitude(0, truth_ ? std::log10(kTruthVertexOffset) : 7));
+            if (dice_.chance(0.2))
+                offset = times(dice_.direction(), dice_.magnitude(0, truth_ && !rays_ ? std::log10(kTruthVertexOffset) : 7));
             for (Point& p : mesh.vertices) p = times(moved(p, offset, 1), inVertices);
             std::string steps;
             const auto step = [&](const std::string& text) { steps += (steps.empty() ? "" : ", ") + text; };
@@ -415,8 +440,8 @@ private:
     }
 
     Dice dice_;
-    const bool truth_;
-    const Family family_;
+    const bool truth_, rays_;
+    Family family_;
     FuzzScene s_;
     double unit_ = 1, toCentre_ = 1;  // scene units
     Point centre_{0, 0, 0};

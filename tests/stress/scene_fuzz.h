@@ -25,7 +25,8 @@ struct FuzzScene {
     std::vector<Mesh> meshes;
     uint32_t width = 1, height = 1;
     std::vector<std::string> flags;  // each a flag with its value, "--samples 4"
-    bool heldAgainstTruth = false;   // Phong with the default choices
+    bool heldAgainstTruth = false;   // Phong with the default choices, or rays through the middle of each pixel
+    bool rays = false;               // of these
 
     // The scene file; its first line is the comment kFlagsLine with the flags.
     std::string text() const;
@@ -34,8 +35,8 @@ struct FuzzScene {
 };
 inline constexpr const char* kFlagsLine = "# plumb verify: ";
 
-// One in so many scenes is of the kind that the truth is compared with.
-inline constexpr uint64_t kTruthEvery = 5;
+// One in so many scenes is of the kind that the truth is compared with, and one that the truth of rays is compared with.
+inline constexpr uint64_t kTruthEvery = 5, kRayTruthAt = 3;
 // Scenes one after another that share what kernels are made for (shading, samples, trade, numbers of lights and shapes): a kernel costs more to make
 // than hundreds of small pictures cost to draw.
 inline constexpr uint64_t kScenesOfFamily = 25;

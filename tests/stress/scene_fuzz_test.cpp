@@ -120,7 +120,8 @@ Case run(Device& device, const fs::path& file, const std::string& flags, bool tr
         return r;
     }
     if (!truth) return r;
-    r.truth = holdAgainstTruth(scene, request, report.device.frame);
+    r.truth = request.shading == Shading::ray ? holdRaysAgainstTruth(scene, request, report.device.frame)
+                                              : holdAgainstTruth(scene, request, report.device.frame);
     if (r.truth.fault.empty()) return r;
     r.outcome = Outcome::beyondTruth;
     r.what = r.truth.fault;
@@ -181,34 +182,41 @@ TEST_F(SceneFuzz, DeviceEqualsTwin) {
     fmt::print("scene fuzz: seed {}, scenes {} to {}\n", seed, first, first + count - 1);
     std::fflush(stdout);
     std::map<Outcome, uint64_t> outcomes;
-    uint64_t seen = 0, failures = 0, held = 0, judged = 0, run = 0;
-    TruthReport truth;
+    uint64_t seen = 0, failures = 0, run = 0;
+    struct Held {
+        uint64_t scenes = 0, judged = 0;
+        TruthReport truth;
+        std::string text() const {
+            return fmt::format("{} of {} scenes judged, {} pixels, {} left open, error at most {:.3f} of its bound", judged, scenes,
+                               truth.pixels, truth.left, truth.worst);
+        }
+    } raster, rays;
     std::map<std::string, uint64_t> refusals;
     for (uint64_t i = first; i < first + count && failures < kMostFailures; ++i, ++run) {
         const FuzzScene scene = fuzzScene(seed, i);
         const Case r = runScene(scene);
         ++outcomes[r.outcome];
         seen += r.seen;
-        held += scene.heldAgainstTruth && r.outcome != Outcome::refused;
-        judged += r.truth.pixels > 0;
-        truth.pixels += r.truth.pixels;
-        truth.left += r.truth.left;
-        truth.worst = std::max(truth.worst, r.truth.worst);
+        Held& held = scene.rays ? rays : raster;
+        held.scenes += scene.heldAgainstTruth && r.outcome != Outcome::refused;
+        held.judged += r.truth.pixels > 0;
+        held.truth.pixels += r.truth.pixels;
+        held.truth.left += r.truth.left;
+        held.truth.worst = std::max(held.truth.worst, r.truth.worst);
         if (r.outcome == Outcome::refused) ++refusals[r.what.substr(r.what.find_last_of(':') + 1)];
         if (!r.fails()) continue;
         ++failures;
         if (std::getenv("PLUMB_FUZZ_FIND")) FAIL() << fmt::format("found by scene {}: {}: {}", i, nameOf(r.outcome), r.what);
         tell(seed, i, scene, r);
     }
-    fmt::print(
-        "scene fuzz: {} scenes: {} equal ({} show something), {} refused alike, {} fail; against the truth: {} of {} scenes judged, {} "
-        "pixels, {} left open, error at most {:.3f} of its bound\n",
-        run, outcomes[Outcome::equal], seen, outcomes[Outcome::refused], failures, judged, held, truth.pixels, truth.left, truth.worst);
+    fmt::print("scene fuzz: {} scenes: {} equal ({} show something), {} refused alike, {} fail; against the truth: {}; of rays: {}\n", run,
+               outcomes[Outcome::equal], seen, outcomes[Outcome::refused], failures, raster.text(), rays.text());
     for (const auto& [sentence, times] : refusals) fmt::print("  refused {:4}:{}\n", times, sentence);
     if (run < kScenesForShares) return;
     EXPECT_GE(double(run - outcomes[Outcome::refused]), kLeastDrawn * double(run)) << "too many are refused to show anything";
     EXPECT_GE(double(seen), kLeastSeen * double(run)) << "too many show nothing";
-    EXPECT_GE(double(judged), kLeastJudged * double(held)) << "the truth judges too few";
+    for (const Held* held : {&raster, &rays})
+        EXPECT_GE(double(held->judged), kLeastJudged * double(held->scenes)) << "the truth judges too few";
 }
 
 }  // namespace
