@@ -20,64 +20,63 @@ layout(binding = 8, scalar) writeonly buffer Kinds { uint kinds[]; };  // one wo
 layout(binding = 9, scalar) readonly buffer Given { vec4 given[]; };  // clip-space x, y, w of vertices, as the transform left them
 #endif
 
-void main() {
-    uint item = itemIndex();
-    bool mine = item < push.jobCount;
-    ClipJob job = jobs[min(item, push.jobCount - 1u)];
-    uvec4 corners = texelFetch(triangles, int(job.triangle));
-    ClipVertex polygon[kClipCorners];
-    ClipVertex next[kClipCorners];
-    uint count = 3u;
-    for (int i = 0; i < 3; ++i) {
+// The triangle as the planes so far have left it, and what the present plane keeps of it.
+ClipVertex polygon[kClipCorners];
+uint count;  // corners of `polygon`
+ClipVertex next[kClipCorners];
+uint kept;  // corners of `next`
+
+ClipVertex cornerOf(uint vertex, uint object) {
+    ClipVertex corner;
 #ifdef PLUMB_LONG
-        vec4 clip = given[corners[i]];
-        polygon[i].x = clip.x;
-        polygon[i].y = clip.y;
-        polygon[i].w = clip.z;
+    vec4 clip = given[vertex];
+    corner.x = clip.x;
+    corner.y = clip.y;
+    corner.w = clip.z;
 #else
-        vec3 p = texelFetch(positions, int(corners[i])).xyz;
-        polygon[i].x = rowTimesPoint(objects[job.object].rowX, p);
-        polygon[i].y = rowTimesPoint(objects[job.object].rowY, p);
-        polygon[i].w = rowTimesPoint(objects[job.object].rowW, p);
+    vec3 p = texelFetch(positions, int(vertex)).xyz;
+    corner.x = rowTimesPoint(objects[object].rowX, p);
+    corner.y = rowTimesPoint(objects[object].rowY, p);
+    corner.w = rowTimesPoint(objects[object].rowW, p);
 #endif
-        polygon[i].carried = carried[corners[i]].xyz;
-    }
-    for (int plane = 0; plane < kClipPlanes; ++plane) {
-        uint kept = 0u;
-        for (uint i = 0u; i < kClipCorners; ++i) {
-            if (i < count) {
-                ClipVertex a = polygon[i];
-                ClipVertex b = polygon[i + 1u < count ? i + 1u : 0u];
-                float da = planeDistance(plane, a.x, a.y, a.w, push.viewport);
-                float db = planeDistance(plane, b.x, b.y, b.w, push.viewport);
-                bool inA = !(da < 0.0);
-                bool inB = !(db < 0.0);
-                if (inA) {
-                    next[min(kept, kClipCorners - 1u)] = a;
-                    kept++;
-                }
-                if (inA && !inB) {
-                    next[min(kept, kClipCorners - 1u)] = intersect(plane, a, b, da, db, push.viewport);
-                    kept++;
-                }
-                if (!inA && inB) {
-                    next[min(kept, kClipCorners - 1u)] = intersect(plane, b, a, db, da, push.viewport);
-                    kept++;
-                }
-            }
-        }
-        count = min(kept, kClipCorners);
-        for (uint i = 0u; i < kClipCorners; ++i) polygon[i] = next[i];
-    }
+    corner.carried = carried[vertex].xyz;
+    return corner;
+}
+
+void keep(ClipVertex corner) {
+    next[min(kept, kClipCorners - 1u)] = corner;
+    kept++;
+}
+
+// Keeps the edge from a to b as far as it lies inside the plane: its first corner, and where it leaves or enters.
+void cutEdge(int plane, ClipVertex a, ClipVertex b) {
+    float da = planeDistance(plane, a.x, a.y, a.w, push.viewport);
+    float db = planeDistance(plane, b.x, b.y, b.w, push.viewport);
+    bool inA = !(da < 0.0);
+    bool inB = !(db < 0.0);
+    if (inA) keep(a);
+    if (inA && !inB) keep(intersect(plane, a, b, da, db, push.viewport));
+    if (!inA && inB) keep(intersect(plane, b, a, db, da, push.viewport));
+}
+
+void cutPolygon(int plane) {
+    kept = 0u;
+    for (uint i = 0u; i < kClipCorners; ++i)
+        if (i < count) cutEdge(plane, polygon[i], polygon[i + 1u < count ? i + 1u : 0u]);
+    count = min(kept, kClipCorners);
+    for (uint i = 0u; i < kClipCorners; ++i) polygon[i] = next[i];
+}
+
+void writeCorner(uint vertex, ClipVertex corner) {
+    ScreenVertex s = projectClipped(corner, push.viewport);
+    screen[vertex] = uvec4(uint(s.x), uint(s.y), floatBitsToUint(s.z), 0u);
+    carried[vertex] = vec4(corner.carried, 0.0);
+}
+
+// Writes the fan from the first corner as draws, those that show nothing with three equal corners; returns the word of `kinds`.
+uint writeFan(ClipJob job, bool mine) {
     uint drawnCount = 0u;
     uint wide = 0u;
-    for (uint i = 0u; i < kClipCorners; ++i) {
-        if (mine && i < count) {
-            ScreenVertex s = projectClipped(polygon[i], push.viewport);
-            screen[job.vertex + i] = uvec4(uint(s.x), uint(s.y), floatBitsToUint(s.z), 0u);
-            carried[job.vertex + i] = vec4(polygon[i].carried, 0.0);
-        }
-    }
     for (uint i = 0u; i < kClipFan; ++i) {
         uvec4 d = uvec4(job.vertex, job.vertex, job.vertex, job.triangle);
         if (mine && i + 2u < count) {
@@ -97,6 +96,20 @@ void main() {
         }
         if (mine) draws[job.place + i] = d;
     }
-    if (mine) kinds[item] = wide | (drawnCount << 1u);
+    return wide | (drawnCount << 1u);
+}
+
+void main() {
+    uint item = itemIndex();
+    bool mine = item < push.jobCount;
+    ClipJob job = jobs[min(item, push.jobCount - 1u)];
+    uvec4 corners = texelFetch(triangles, int(job.triangle));
+    count = 3u;
+    for (int i = 0; i < 3; ++i) polygon[i] = cornerOf(corners[i], job.object);
+    for (int plane = 0; plane < kClipPlanes; ++plane) cutPolygon(plane);
+    for (uint i = 0u; i < kClipCorners; ++i)
+        if (mine && i < count) writeCorner(job.vertex + i, polygon[i]);
+    uint kind = writeFan(job, mine);
+    if (mine) kinds[item] = kind;
     finish(push.statusSlot, 0u);
 }
