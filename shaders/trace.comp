@@ -414,282 +414,446 @@ vec3 eyeDirection(uvec2 place) {
                             rowOf(kSampling, place.y, kSide, key));
 }
 
-// A sample of this dispatch, from the eye to what it leaves.
+// The parts of a sample's path share what they know in variables of the file: a struct that goes from function to function by value is more
+// words in the module.
+// Ray that is followed now.
+struct PathRay {
+    vec3 o, d;
+    float weight;  // share of its colour in the sample's
+    uint from;     // object that it starts on, or kNoObject
+    bool inside;   // true when it starts on the inner side of that object
+    uint depth;    // 1: from the eye
+    uint kind;     // kCountPrimary, kCountReflected or kCountRefracted
+    uint key;      // of its noise
+};
+PathRay ray;
+RayFrame frame;  // of `ray`, kMeshes
+uint undecided;  // planes that are parallel to `ray` within rounding
+uint feelers;    // shadow rays from the hit of `ray`
+
+// Sample that the rays belong to.
+vec3 colour;           // sum so far
+vec4 levels[kLevels];  // of each ray: its own part of the colour, the share of what it is followed by
+uint rays;             // number that this dispatch has followed
+uint waits;            // number that wait in the list
+uint primaryBits;      // 1: the eye ray hits something
+
+uint firstTriangle() { return push.sphereCount + push.planeCount; }
+
+// Nearest hit so far of `ray`.
+struct Nearest {
+    float t;
+    uint object;  // kNoObject: none
+};
+Nearest nearest;
+void takeHit(bool nearer, float t, uint object) {
+    nearest.t = nearer ? t : nearest.t;
+    nearest.object = nearer ? object : nearest.object;
+}
+
+void meetSpheres() {
+    int i = 0;
+    [[unroll]] for (i = 0; i < sphereCount(); ++i) {
+        SphereHit met = sphereAt(i, ray.o, ray.d, ray.from, ray.inside);
+        takeHit(isNearer(met.t, uint(i), nearest.t, nearest.object), met.t, uint(i));
+    }
+    fault |= i < sphereCount() ? kFaultLoop : 0u;
+}
+
+void meetBoards() {
+    int i = 0;
+    for (i = 0; i < boardCount(); ++i) {
+        PlaneHit met = boardAt(i, ray.o, ray.d, ray.from, ray.inside);
+        takeHit(isNearer(met.t, push.sphereCount + uint(i), nearest.t, nearest.object), met.t, push.sphereCount + uint(i));
+        undecided += met.undecided;
+    }
+    fault |= i < boardCount() ? kFaultLoop : 0u;
+}
+
+// Returns the next leaf whose box a ray may meet nearer than `longest`, as a link; below kLeaf when the walk is over. `child` is where it goes
+// on.
+uint nextLeaf(RayFrame along, float longest, inout int child) {
+    int children = int(push.childCount);
+    uint link = 0u;
+    while (child < children && link < kLeaf) {
+        uvec4 low = texelFetch(nodes, child * 2);
+        uvec4 high = texelFetch(nodes, child * 2 + 1);
+        bool open = opensFor(along, low, high, longest);
+        link = open ? low.w : 0u;
+        child = open && link < kLeaf ? int(link * kNodeChildren) : int(high.w);
+    }
+    return link;
+}
+
+// `eye`: what the eye ray meets, when eye rays have walked the tree together.
+void meetMeshes(bool runs, EyeHit eye) {
+    int children = int(push.childCount);
+    int child = runs ? 0 : children;
+    if (kEyeTogether && rays == 1u && push.first != 0u) {
+        takeHit(eye.triangle != kNoObject && isNearer(eye.t, firstTriangle() + eye.triangle, nearest.t, nearest.object), eye.t,
+                firstTriangle() + eye.triangle);
+        child = children;
+    }
+    if (!kEyeTogether || kChildren || kList) {
+        while (child < children) {
+            uint link = nextLeaf(frame, nearest.t, child);
+            uint triangle;
+            TriangleHit met = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, frame, ray.from - firstTriangle(), triangle);
+            takeHit(link >= kLeaf && isNearer(met.t, firstTriangle() + triangle, nearest.t, nearest.object), met.t,
+                    firstTriangle() + triangle);
+        }
+        fault |= child < children ? kFaultLoop : 0u;
+    }
+}
+
+void nearestHit(bool runs, EyeHit eye) {
+    nearest = Nearest(kFarthestHit, kNoObject);
+    meetSpheres();
+    meetBoards();
+    if (kMeshes) {
+        frame = frameOfRay(ray.o, ray.d, push.reach);
+        meetMeshes(runs, eye);
+    }
+}
+
+// Surface where `ray` hits it.
+struct Hit {
+    bool any;   // true when the ray hits something
+    bool mesh;  // true when that is a triangle of a mesh
+    SurfacePoint s;
+    uint material;
+    bool within;  // true when the ray meets the inner side
+    vec3 n;       // normal that faces the ray
+    vec3 seen;    // the same for shading: interpolated on a mesh
+    vec3 bends;   // the same for mirrored and refracted rays
+    vec3 before;  // origin of rays that leave on the ray's side
+};
+Hit hit;
+
+SurfacePoint pointOfSphere(int sphere, out uint owner) {
+    vec4 record = sphereRecordOf(sphere, owner);
+    SphereHit again = sphereOf(record, sphere, ray.o, ray.d, ray.from, ray.inside);
+    SurfacePoint s = pointOnSphere(record.xyz, record.w, again.offset);
+    if (kClose) s = pointOnCloseSphere(ray.o, ray.d, again.t, record.xyz, record.w, powerOf(sphere), again.offset);
+    return s;
+}
+
+SurfacePoint pointOfMesh(int triangle, out uint owner, out vec3 interpolated) {
+    uvec4 words = texelFetch(triangles, triangle * 2);
+    TriangleHit again = triangleAt(words, frame, false);
+    vec3 geometric = uintBitsToFloat(texelFetch(triangles, triangle * 2 + 1).xyz);
+    interpolated =
+        unitLength((texelFetch(corners, int(words.x) * 2 + 1).xyz * again.w0 + texelFetch(corners, int(words.y) * 2 + 1).xyz * again.w1) +
+                   texelFetch(corners, int(words.z) * 2 + 1).xyz * again.w2);
+    owner = words.w;
+    return pointOnTriangle(texelFetch(corners, int(words.x) * 2).xyz, texelFetch(corners, int(words.y) * 2).xyz,
+                           texelFetch(corners, int(words.z) * 2).xyz, geometric, again);
+}
+
+void takeSurface(bool own, SurfacePoint s, uint owner) {
+    hit.s.point = own ? s.point : hit.s.point;
+    hit.s.normal = own ? s.normal : hit.s.normal;
+    hit.s.error = own ? s.error : hit.s.error;
+    hit.material = own ? owner : hit.material;
+}
+
+// Fills `hit` from the nearest object.
+void surfaceOf(bool runs) {
+    hit.any = runs && nearest.object != kNoObject;
+    hit.mesh = kMeshes && hit.any && nearest.object >= firstTriangle();
+    bool ball = nearest.object < push.sphereCount;
+    hit.s = SurfacePoint(vec3(0.0), vec3(0.0), vec3(0.0));
+    hit.material = 0u;
+    if (kBoards != 0) {
+        int board = hit.any && !ball && !hit.mesh ? int(nearest.object - push.sphereCount) : 0;
+        PlaneHit onBoard = boardAt(board, ray.o, ray.d, ray.from, ray.inside);
+        hit.s = pointOnPlane(boardTexel(board, 0).xyz, onBoard.point);
+        hit.material = materialOfBoard(board, onBoard);
+    }
+    uint owner = 0u;
+    if (kSpheres != 0) {
+        SurfacePoint onSphere = pointOfSphere(ball ? int(nearest.object) : 0, owner);
+        takeSurface(ball, onSphere, owner);
+    }
+    vec3 smoothNormal = hit.s.normal;
+    if (kMeshes) {
+        vec3 interpolated;
+        SurfacePoint onMesh = pointOfMesh(hit.mesh ? int(nearest.object - firstTriangle()) : 0, owner, interpolated);
+        takeSurface(hit.mesh, onMesh, owner);
+        smoothNormal = hit.mesh ? interpolated : hit.s.normal;
+    }
+    hit.within = dot3(ray.d, hit.s.normal) > 0.0;
+    hit.n = hit.within ? -hit.s.normal : hit.s.normal;
+    hit.seen = hit.n;
+    hit.bends = hit.n;
+    if (kMeshes) {
+        hit.seen = hit.mesh ? (hit.within ? -smoothNormal : smoothNormal) : hit.n;
+        if (kChildren) hit.bends = hit.mesh ? normalForRays(ray.d, hit.n, hit.seen) : hit.n;
+    }
+    hit.before = leaveSurface(hit.s.point, hit.n, hit.s.error);
+}
+
+// Material of `hit`.
+TraceMaterial material;
+void readMaterial() {
+    int first = int(hit.material) * kTraceMaterialTexels;
+    vec4 base = texelFetch(materials, first);
+    vec4 diffuse = texelFetch(materials, first + 1);
+    vec4 specular = texelFetch(materials, first + 2);
+    vec4 shares = texelFetch(materials, first + 3);
+    material = TraceMaterial(base.xyz, base.w, diffuse.xyz, diffuse.w, specular.xyz, specular.w, shares.x, shares.y, shares.z, shares.w);
+}
+
+// Dims `passed`, the light that a shadow ray keeps, by what stands between `hit` and the light.
+void dimBySpheres(Feeler feeler, inout float passed) {
+    int i = 0;
+    [[unroll]] for (i = 0; i < sphereCount(); ++i) {
+        SphereHit met = sphereAt(i, hit.before, feeler.direction, nearest.object, hit.within);
+        passed *= blocks(met.t, feeler.reach) ? (kDims ? shareThatPasses(texelFetch(surfaces, i).x) : 0.0) : 1.0;
+    }
+    fault |= i < sphereCount() ? kFaultLoop : 0u;
+}
+void dimByBoards(Feeler feeler, inout float passed) {
+    int i = 0;
+    for (i = 0; i < boardCount(); ++i) {
+        PlaneHit met = boardAt(i, hit.before, feeler.direction, nearest.object, hit.within);
+        passed *= blocks(met.t, feeler.reach) ? (kDims ? shareThatPasses(materialOfBoard(i, met)) : 0.0) : 1.0;
+    }
+    fault |= i < boardCount() ? kFaultLoop : 0u;
+}
+void dimByMeshes(Feeler feeler, bool sent, inout float passed) {
+    RayFrame along = frameOfRay(hit.before, feeler.direction, push.reach);
+    int children = int(push.childCount);
+    int child = 0;
+    while (sent && passed > 0.0 && child < children) {
+        uint link = nextLeaf(along, feeler.reach, child);
+        uint triangle;
+        TriangleHit at = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, along, nearest.object - firstTriangle(), triangle);
+        uint owner = texelFetch(triangles, int(triangle) * 2).w;
+        float slope = dot3(feeler.direction, uintBitsToFloat(texelFetch(triangles, int(triangle) * 2 + 1).xyz));
+        bool met = link >= kLeaf && blocks(at.t, feeler.reach);
+        passed *= met ? passesTriangle(shareThatPasses(owner), slope) : 1.0;
+    }
+    fault |= sent && passed > 0.0 && child < children ? kFaultLoop : 0u;
+}
+
+// Returns the share of a light that reaches `hit`. `lit`: true when the hit asks for this light.
+float shareOfLight(int light, vec4 place, bool lit) {
+    Feeler feeler = feelerTo(place, hit.before);
+    bool above = dot3(hit.seen, feeler.direction) > 0.0 && dot3(hit.n, feeler.direction) > 0.0;
+    feelers += lit && above ? 1u : 0u;
+    if (kJitterFeeler != 0u)
+        feeler.direction =
+            jittered(feeler.direction, hit.n, uintBitsToFloat(kJitterFeeler), keyOfChild(ray.key, kFirstFeelerKey + uint(light)));
+    float passed = 1.0;
+    if (kShadows) {
+        dimBySpheres(feeler, passed);
+        dimByBoards(feeler, passed);
+        if (kMeshes) dimByMeshes(feeler, lit && above, passed);
+    }
+    return above ? passed : 0.0;
+}
+
+vec4 lightTexel(int light, int k) {
+    vec4 texel;
+    if (kOneLight)
+        texel = heldLight[k];
+    else
+        texel = texelFetch(lights, light * kLightTexels + k);
+    return texel;
+}
+
+// Returns the Phong colour of `hit`, each light dimmed by what its shadow ray meets. `local`: true when the hit shows it.
+Colour localColour(bool local) {
+    Colour c = Colour(material.base.x, material.base.y, material.base.z);
+    Surface surface =
+        Surface(hit.seen.x, hit.seen.y, hit.seen.z, -ray.d.x, -ray.d.y, -ray.d.z, hit.s.point.x, hit.s.point.y, hit.s.point.z);
+    Reflectance k = Reflectance(material.diffuse.x, material.diffuse.y, material.diffuse.z, material.specular.x, material.specular.y,
+                                material.specular.z, material.shininess, material.zeroPower);
+    ShadeParts parts = ShadeParts(true, kSpecular, kPointLights, kPowerExact);
+    int lightCount = int(push.lightCount);
+    int light = 0;
+    if (kLights) do {
+            bool lit = local && light < lightCount;
+            if (lit || together()) {
+                vec4 place = lightTexel(light, 0);
+                vec4 intensity = lightTexel(light, 1);
+                float passed = shareOfLight(light, place, lit);
+                addLight(place, vec4(intensity.xyz * passed, intensity.w), surface, k, parts, c);
+            }
+            light++;
+        } while (!kOneLight && light < lightCount);
+    fault |= kLights && local && light < lightCount ? kFaultLoop : 0u;
+    return c;
+}
+
+// Adds what `ray` itself sees to the sample.
+void addColour(bool runs) {
+    bool local = hit.any && material.local > 0.0;
+    Colour c = localColour(local);
+    float share = ray.weight * material.local;
+    vec3 added = vec3(c.r, c.g, c.b) * share;
+    added = hit.any ? (local ? added : vec3(0.0)) : push.sky * ray.weight;
+    colour = runs ? colour + added : colour;
+    if (kCutLevels) {
+        vec3 own = hit.any ? wholeLevels(vec3(c.r, c.g, c.b)) * material.local : wholeLevels(push.sky);
+        levels[ray.depth - 1u] = vec4(local || !hit.any ? own : vec3(0.0), hit.any ? material.reflect : 0.0);
+    }
+}
+
+// Writes the planes of what the eye ray hits. `word`: of the sample.
+void writeFirstHit(uint word) {
+    primaryBits = hit.any ? 1u : 0u;
+    if ((kPlanes & kTracePlaneDistance) != 0u) planes[word] = hit.any ? floatBitsToUint(nearest.t) : 0u;
+    if ((kPlanes & kTracePlaneObject) != 0u) planes[word + kSlotObject * push.planeWords] = nearest.object;
+    if ((kPlanes & kTracePlaneNormal) != 0u) {
+        planes[word + kSlotNormal * push.planeWords] = hit.any ? floatBitsToUint(hit.seen.x) : 0u;
+        planes[word + (kSlotNormal + 1u) * push.planeWords] = hit.any ? floatBitsToUint(hit.seen.y) : 0u;
+        planes[word + (kSlotNormal + 2u) * push.planeWords] = hit.any ? floatBitsToUint(hit.seen.z) : 0u;
+    }
+}
+
+// Puts a ray on top of those of the sample that wait.
+void putWaiting(uint item, PathRay r) {
+    uint slot = (waits * push.itemCount + item) * kWaitingWords;
+    waiting[slot] = floatBitsToUint(r.o.x);
+    waiting[slot + 1u] = floatBitsToUint(r.o.y);
+    waiting[slot + 2u] = floatBitsToUint(r.o.z);
+    waiting[slot + 3u] = floatBitsToUint(r.d.x);
+    waiting[slot + 4u] = floatBitsToUint(r.d.y);
+    waiting[slot + 5u] = floatBitsToUint(r.d.z);
+    waiting[slot + 6u] = floatBitsToUint(r.weight);
+    waiting[slot + 7u] = r.from;
+    waiting[slot + 8u] = r.depth << 3 | r.kind << 1 | (r.inside ? 1u : 0u);
+    waiting[slot + 9u] = r.key;
+    waits++;
+}
+
+// Takes the ray that waits on top as `ray`.
+void takeWaiting(uint item) {
+    waits--;
+    uint slot = (waits * push.itemCount + item) * kWaitingWords;
+    ray.o = vec3(uintBitsToFloat(waiting[slot]), uintBitsToFloat(waiting[slot + 1u]), uintBitsToFloat(waiting[slot + 2u]));
+    ray.d = vec3(uintBitsToFloat(waiting[slot + 3u]), uintBitsToFloat(waiting[slot + 4u]), uintBitsToFloat(waiting[slot + 5u]));
+    ray.weight = uintBitsToFloat(waiting[slot + 6u]);
+    ray.from = waiting[slot + 7u];
+    uint packed = waiting[slot + 8u];
+    ray.key = waiting[slot + 9u];
+    ray.inside = (packed & 1u) != 0u;
+    ray.kind = (packed >> 1) & 3u;
+    ray.depth = packed >> 3;
+}
+
+// Children of `hit`, as the contract and the noise send them.
+Children childrenOfHit() {
+    Children next = childrenOf(ray.d, hit.bends, hit.within, material.reflect, material.transmit, material.index, material.inverseIndex,
+                               ray.weight, ray.depth, push.maxDepth, push.minWeight);
+    if (kMeshes && kRefracts)
+        next.passDirection = hit.mesh ? onSideOf(next.passDirection, -hit.n, leastSlope(ray.d, hit.n)) : next.passDirection;
+    next.mirror = kChildren && hit.any && next.mirror;
+    next.pass = kRefracts && hit.any && next.pass;
+    if (kJitterMirror != 0u)
+        next.mirrorDirection = jittered(next.mirrorDirection, hit.n, uintBitsToFloat(kJitterMirror), keyOfChild(ray.key, kCountReflected));
+    if (kJitterPass != 0u)
+        next.passDirection = jittered(next.passDirection, hit.n, uintBitsToFloat(kJitterPass), keyOfChild(ray.key, kCountRefracted));
+    return next;
+}
+
+// Makes a child of `hit` the `ray`; where there are two, the refracted one waits. Returns false when no child takes its place.
+bool sendOn(uint item) {
+    Children next = childrenOfHit();
+    if (!kList) fault |= next.mirror && next.pass ? kFaultRange : 0u;
+    ray.depth++;
+    vec3 behind = leaveSurface(hit.s.point, -hit.n, hit.s.error);
+    if (kList && next.pass)
+        putWaiting(item, PathRay(behind, next.passDirection, next.passWeight, nearest.object, !hit.within, ray.depth, kCountRefracted,
+                                 hasKeys() ? keyOfChild(ray.key, kCountRefracted) : 0u));
+    bool back = !kRefracts || next.mirror;
+    ray.o = back ? hit.before : behind;
+    ray.d = back ? next.mirrorDirection : next.passDirection;
+    ray.weight = back ? next.mirrorWeight : next.passWeight;
+    ray.kind = back ? kCountReflected : kCountRefracted;
+    if (hasKeys()) ray.key = keyOfChild(ray.key, ray.kind);
+    ray.from = nearest.object;
+    ray.inside = back ? hit.within : !hit.within;
+    return next.mirror || (!kList && next.pass);
+}
+
+void takeState(uint item) {
+    uint state = item * kStateWords;
+    colour = vec3(uintBitsToFloat(states[state]), uintBitsToFloat(states[state + 1u]), uintBitsToFloat(states[state + 2u]));
+    waits = states[state + 3u];
+    primaryBits = waits >> 31;
+    waits &= 0x7fffffffu;
+}
+void leaveState(uint item, uint left) {
+    uint state = item * kStateWords;
+    states[state] = floatBitsToUint(colour.x);
+    states[state + 1u] = floatBitsToUint(colour.y);
+    states[state + 2u] = floatBitsToUint(colour.z);
+    states[state + 3u] = left | primaryBits << 31;
+}
+
+// The colour in whole levels: from the path's end to the eye.
+void sumLevels() {
+    colour = vec3(0.0);
+    while (rays > 0u) {
+        rays--;
+        colour = cutLevels(colour * levels[rays].w, levels[rays].xyz);
+    }
+    colour = colour * kOneLevel;
+}
+
+// Writes a sample that is done.
+void writeSample(uint word) {
+    if (kColour) {
+        uint drawn = encode(colour.x) | (encode(colour.y) << 8) | (encode(colour.z) << 16) | 0xff000000u;
+        colours[word] = primaryBits != 0u ? drawn : push.background & 0xffffffu;
+    }
+    if ((kPlanes & kTracePlaneLinear) != 0u) {
+        planes[word + kSlotLinear * push.planeWords] = floatBitsToUint(colour.x);
+        planes[word + (kSlotLinear + 1u) * push.planeWords] = floatBitsToUint(colour.y);
+        planes[word + (kSlotLinear + 2u) * push.planeWords] = floatBitsToUint(colour.z);
+    }
+}
+
+// Begins a sample with its ray from the eye.
+void beginSample(uint item, uint column, uint row) {
+    uvec2 place = placeOf(column, row);
+    ray = PathRay(vec3(0.0), eyeDirection(place), 1.0, kNoObject, false, 1u, kCountPrimary, keyAt(place));
+    colour = vec3(0.0);
+    waits = 0u;
+    rays = 0u;
+    primaryBits = 0u;
+}
+
+// Follows the rays of one sample, from the eye to what it leaves.
 void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
     uint word = (row - push.firstRow) * push.rowWords + column;
-    int lightCount = int(push.lightCount);
-    vec3 o = vec3(0.0);
-    uint key = keyAt(placeOf(column, row));
-    vec3 d = eyeDirection(placeOf(column, row));
-    vec4 levels[kLevels];  // of each ray: its own part of the colour, the share of what it is followed by
-    float weight = 1.0;
-    uint from = kNoObject;
-    bool inside = false;
-    uint depth = 1u;
-    uint kind = kCountPrimary;
-    vec3 colour = vec3(0.0);
-    uint waits = 0u;
+    beginSample(item, column, row);
+    bool take = kList && push.first == 0u;  // the next ray comes from the list
     bool alive = mine;
-    uint primaryBits = 0u;
-    if (kList && push.first == 0u) {
-        uint state = item * kStateWords;
-        colour = vec3(uintBitsToFloat(states[state]), uintBitsToFloat(states[state + 1u]), uintBitsToFloat(states[state + 2u]));
-        waits = states[state + 3u];
-        primaryBits = waits >> 31;
-        waits &= 0x7fffffffu;
+    if (take) {
+        takeState(item);
         alive = mine && waits > 0u;
     }
     bool begun = alive;
-    bool take = kList && push.first == 0u;  // the next ray comes from the list
-    uint rays = 0u;
     uint trips = 0u;
     do {
         bool runs = alive;
-        bool bent = kind == kCountRefracted;
-        uint feelers = 0u;
-        uint undecided = 0u;
+        bool bent = ray.kind == kCountRefracted;
+        feelers = 0u;
+        undecided = 0u;
         if (alive || together()) {
             rays += runs ? 1u : 0u;
-            if (kList && take) {
-                waits--;
-                uint at = (waits * push.itemCount + item) * kWaitingWords;
-                o = vec3(uintBitsToFloat(waiting[at]), uintBitsToFloat(waiting[at + 1u]), uintBitsToFloat(waiting[at + 2u]));
-                d = vec3(uintBitsToFloat(waiting[at + 3u]), uintBitsToFloat(waiting[at + 4u]), uintBitsToFloat(waiting[at + 5u]));
-                weight = uintBitsToFloat(waiting[at + 6u]);
-                from = waiting[at + 7u];
-                uint packed = waiting[at + 8u];
-                key = waiting[at + 9u];
-                inside = (packed & 1u) != 0u;
-                kind = (packed >> 1) & 3u;
-                depth = packed >> 3;
-            }
-            float t = kFarthestHit;
-            uint best = kNoObject;
-            int i = 0;
-            [[unroll]] for (i = 0; i < sphereCount(); ++i) {
-                SphereHit hit = sphereAt(i, o, d, from, inside);
-                bool nearer = isNearer(hit.t, uint(i), t, best);
-                t = nearer ? hit.t : t;
-                best = nearer ? uint(i) : best;
-            }
-            fault |= i < sphereCount() ? kFaultLoop : 0u;
-            for (i = 0; i < boardCount(); ++i) {
-                PlaneHit hit = boardAt(i, o, d, from, inside);
-                bool nearer = isNearer(hit.t, push.sphereCount + uint(i), t, best);
-                t = nearer ? hit.t : t;
-                best = nearer ? push.sphereCount + uint(i) : best;
-                undecided += hit.undecided;
-            }
-            fault |= i < boardCount() ? kFaultLoop : 0u;
-            uint firstTriangle = push.sphereCount + push.planeCount;
-            RayFrame frame;
-            int children = int(push.childCount);
-            if (kMeshes) {
-                frame = frameOfRay(o, d, push.reach);
-                int child = runs ? 0 : children;
-                if (kEyeTogether && rays == 1u && push.first != 0u) {
-                    bool nearer = eye.triangle != kNoObject && isNearer(eye.t, firstTriangle + eye.triangle, t, best);
-                    t = nearer ? eye.t : t;
-                    best = nearer ? firstTriangle + eye.triangle : best;
-                    child = children;
-                }
-                if (!kEyeTogether || kChildren || kList) {
-                    while (child < children) {
-                        uint link = 0u;
-                        while (child < children && link < kLeaf) {
-                            uvec4 low = texelFetch(nodes, child * 2);
-                            uvec4 high = texelFetch(nodes, child * 2 + 1);
-                            bool open = opensFor(frame, low, high, t);
-                            link = open ? low.w : 0u;
-                            child = open && link < kLeaf ? int(link * kNodeChildren) : int(high.w);
-                        }
-                        uint triangle;
-                        TriangleHit hit = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, frame, from - firstTriangle, triangle);
-                        bool nearer = link >= kLeaf && isNearer(hit.t, firstTriangle + triangle, t, best);
-                        t = nearer ? hit.t : t;
-                        best = nearer ? firstTriangle + triangle : best;
-                    }
-                    fault |= child < children ? kFaultLoop : 0u;
-                }
-            }
-            bool hits = runs && best != kNoObject;
-            bool ball = best < push.sphereCount;
-            bool mesh = kMeshes && hits && best >= firstTriangle;
-            int sphere = ball ? int(best) : 0;
-            int board = hits && !ball && !mesh ? int(best - push.sphereCount) : 0;
-
-            SurfacePoint s = SurfacePoint(vec3(0.0), vec3(0.0), vec3(0.0));
-            uint material = 0u;
-            if (kBoards != 0) {
-                PlaneHit onBoard = boardAt(board, o, d, from, inside);
-                s = pointOnPlane(boardTexel(board, 0).xyz, onBoard.point);
-                material = materialOfBoard(board, onBoard);
-            }
-            if (kSpheres != 0) {
-                uint sphereMaterial = 0u;
-                vec4 sphereRecord = sphereRecordOf(sphere, sphereMaterial);
-                SphereHit again = sphereOf(sphereRecord, sphere, o, d, from, inside);
-                SurfacePoint onSphere = pointOnSphere(sphereRecord.xyz, sphereRecord.w, again.offset);
-                if (kClose) onSphere = pointOnCloseSphere(o, d, again.t, sphereRecord.xyz, sphereRecord.w, powerOf(sphere), again.offset);
-                s.point = ball ? onSphere.point : s.point;
-                s.normal = ball ? onSphere.normal : s.normal;
-                s.error = ball ? onSphere.error : s.error;
-                material = ball ? sphereMaterial : material;
-            }
-            vec3 smoothNormal = s.normal;
-            if (kMeshes) {
-                int triangle = mesh ? int(best - firstTriangle) : 0;
-                uvec4 words = texelFetch(triangles, triangle * 2);
-                TriangleHit hit = triangleAt(words, frame, false);
-                vec3 geometric = uintBitsToFloat(texelFetch(triangles, triangle * 2 + 1).xyz);
-                SurfacePoint onMesh = pointOnTriangle(texelFetch(corners, int(words.x) * 2).xyz, texelFetch(corners, int(words.y) * 2).xyz,
-                                                      texelFetch(corners, int(words.z) * 2).xyz, geometric, hit);
-                vec3 interpolated = unitLength(
-                    (texelFetch(corners, int(words.x) * 2 + 1).xyz * hit.w0 + texelFetch(corners, int(words.y) * 2 + 1).xyz * hit.w1) +
-                    texelFetch(corners, int(words.z) * 2 + 1).xyz * hit.w2);
-                s.point = mesh ? onMesh.point : s.point;
-                s.normal = mesh ? onMesh.normal : s.normal;
-                s.error = mesh ? onMesh.error : s.error;
-                smoothNormal = mesh ? interpolated : s.normal;
-                material = mesh ? words.w : material;
-            }
-            bool within = dot3(d, s.normal) > 0.0;
-            vec3 n = within ? -s.normal : s.normal;
-            vec3 seen = n;
-            vec3 bends = n;
-            if (kMeshes) {
-                seen = mesh ? (within ? -smoothNormal : smoothNormal) : n;
-                if (kChildren) bends = mesh ? normalForRays(d, n, seen) : n;
-            }
-
-            int at = int(material) * kTraceMaterialTexels;
-            vec4 base = texelFetch(materials, at);
-            vec4 diffuse = texelFetch(materials, at + 1);
-            vec4 specular = texelFetch(materials, at + 2);
-            vec4 shares = texelFetch(materials, at + 3);
-
-            // Local colour: Phong, each light dimmed by what its feeler meets.
-            bool local = hits && specular.w > 0.0;
-            Colour c = Colour(base.x, base.y, base.z);
-            Surface surface = Surface(seen.x, seen.y, seen.z, -d.x, -d.y, -d.z, s.point.x, s.point.y, s.point.z);
-            Reflectance k = Reflectance(diffuse.x, diffuse.y, diffuse.z, specular.x, specular.y, specular.z, base.w, diffuse.w);
-            ShadeParts parts = ShadeParts(true, kSpecular, kPointLights, kPowerExact);
-            vec3 q = leaveSurface(s.point, n, s.error);
-            int light = 0;
-            if (kLights) do {
-                    bool lit = local && light < lightCount;
-                    if (lit || together()) {
-                        vec4 lightPlace;
-                        vec4 intensity;
-                        if (kOneLight) {
-                            lightPlace = heldLight[0];
-                            intensity = heldLight[1];
-                        } else {
-                            lightPlace = texelFetch(lights, light * kLightTexels);
-                            intensity = texelFetch(lights, light * kLightTexels + 1);
-                        }
-                        Feeler feeler = feelerTo(lightPlace, q);
-                        bool above = dot3(seen, feeler.direction) > 0.0 && dot3(n, feeler.direction) > 0.0;
-                        feelers += lit && above ? 1u : 0u;
-                        if (kJitterFeeler != 0u)
-                            feeler.direction = jittered(feeler.direction, n, uintBitsToFloat(kJitterFeeler),
-                                                        keyOfChild(key, kFirstFeelerKey + uint(light)));
-                        float passed = 1.0;
-                        if (kShadows) {
-                            [[unroll]] for (i = 0; i < sphereCount(); ++i) {
-                                SphereHit hit = sphereAt(i, q, feeler.direction, best, within);
-                                passed *= blocks(hit.t, feeler.reach) ? (kDims ? shareThatPasses(texelFetch(surfaces, i).x) : 0.0) : 1.0;
-                            }
-                            fault |= i < sphereCount() ? kFaultLoop : 0u;
-                            for (i = 0; i < boardCount(); ++i) {
-                                PlaneHit hit = boardAt(i, q, feeler.direction, best, within);
-                                passed *= blocks(hit.t, feeler.reach) ? (kDims ? shareThatPasses(materialOfBoard(i, hit)) : 0.0) : 1.0;
-                            }
-                            fault |= i < boardCount() ? kFaultLoop : 0u;
-                            if (kMeshes) {
-                                RayFrame along = frameOfRay(q, feeler.direction, push.reach);
-                                int child = 0;
-                                while (lit && above && passed > 0.0 && child < children) {
-                                    uint link = 0u;
-                                    while (child < children && link < kLeaf) {
-                                        uvec4 low = texelFetch(nodes, child * 2);
-                                        uvec4 high = texelFetch(nodes, child * 2 + 1);
-                                        bool open = opensFor(along, low, high, feeler.reach);
-                                        link = open ? low.w : 0u;
-                                        child = open && link < kLeaf ? int(link * kNodeChildren) : int(high.w);
-                                    }
-                                    uint triangle;
-                                    TriangleHit hit = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, along, best - firstTriangle, triangle);
-                                    uint owner = texelFetch(triangles, int(triangle) * 2).w;
-                                    float slope = dot3(feeler.direction, uintBitsToFloat(texelFetch(triangles, int(triangle) * 2 + 1).xyz));
-                                    bool met = link >= kLeaf && blocks(hit.t, feeler.reach);
-                                    passed *= met ? passesTriangle(shareThatPasses(owner), slope) : 1.0;
-                                }
-                                fault |= lit && above && passed > 0.0 && child < children ? kFaultLoop : 0u;
-                            }
-                        }
-                        passed = above ? passed : 0.0;
-                        addLight(lightPlace, vec4(intensity.xyz * passed, intensity.w), surface, k, parts, c);
-                    }
-                    light++;
-                } while (!kOneLight && light < lightCount);
-            fault |= kLights && local && light < lightCount ? kFaultLoop : 0u;
-            float share = weight * specular.w;
-            vec3 added = vec3(c.r, c.g, c.b) * share;
-            added = hits ? (local ? added : vec3(0.0)) : push.sky * weight;
-            colour = runs ? colour + added : colour;
-            if (kCutLevels) {
-                vec3 own = hits ? wholeLevels(vec3(c.r, c.g, c.b)) * specular.w : wholeLevels(push.sky);
-                levels[depth - 1u] = vec4(local || !hits ? own : vec3(0.0), hits ? shares.x : 0.0);
-            }
-
-            if (kCount && !together()) countRay(depth, kind, feelers, undecided);
-            if (runs && rays == 1u && push.first != 0u) {
-                primaryBits = hits ? 1u : 0u;
-                if ((kPlanes & kTracePlaneDistance) != 0u) planes[word] = hits ? floatBitsToUint(t) : 0u;
-                if ((kPlanes & kTracePlaneObject) != 0u) planes[word + kSlotObject * push.planeWords] = best;
-                if ((kPlanes & kTracePlaneNormal) != 0u) {
-                    planes[word + kSlotNormal * push.planeWords] = hits ? floatBitsToUint(seen.x) : 0u;
-                    planes[word + (kSlotNormal + 1u) * push.planeWords] = hits ? floatBitsToUint(seen.y) : 0u;
-                    planes[word + (kSlotNormal + 2u) * push.planeWords] = hits ? floatBitsToUint(seen.z) : 0u;
-                }
-            }
-
-            Children next =
-                childrenOf(d, bends, within, shares.x, shares.y, shares.z, shares.w, weight, depth, push.maxDepth, push.minWeight);
-            if (kMeshes && kRefracts) next.passDirection = mesh ? onSideOf(next.passDirection, -n, leastSlope(d, n)) : next.passDirection;
-            bool mirror = kChildren && hits && next.mirror;
-            bool pass = kRefracts && hits && next.pass;
-            if (!kList) fault |= mirror && pass ? kFaultRange : 0u;
-            if (kJitterMirror != 0u)
-                next.mirrorDirection = jittered(next.mirrorDirection, n, uintBitsToFloat(kJitterMirror), keyOfChild(key, kCountReflected));
-            if (kJitterPass != 0u)
-                next.passDirection = jittered(next.passDirection, n, uintBitsToFloat(kJitterPass), keyOfChild(key, kCountRefracted));
-            depth++;
-            vec3 behind = leaveSurface(s.point, -n, s.error);
-            if (kList && pass) {
-                uint slot = (waits * push.itemCount + item) * kWaitingWords;
-                waiting[slot] = floatBitsToUint(behind.x);
-                waiting[slot + 1u] = floatBitsToUint(behind.y);
-                waiting[slot + 2u] = floatBitsToUint(behind.z);
-                waiting[slot + 3u] = floatBitsToUint(next.passDirection.x);
-                waiting[slot + 4u] = floatBitsToUint(next.passDirection.y);
-                waiting[slot + 5u] = floatBitsToUint(next.passDirection.z);
-                waiting[slot + 6u] = floatBitsToUint(next.passWeight);
-                waiting[slot + 7u] = best;
-                waiting[slot + 8u] = depth << 3 | kCountRefracted << 1 | (within ? 0u : 1u);
-                waiting[slot + 9u] = hasKeys() ? keyOfChild(key, kCountRefracted) : 0u;
-                waits++;
-            }
-            bool onward = mirror || (!kList && pass);
-            bool back = !kRefracts || mirror;
-            o = back ? q : behind;
-            d = back ? next.mirrorDirection : next.passDirection;
-            weight = back ? next.mirrorWeight : next.passWeight;
-            kind = back ? kCountReflected : kCountRefracted;
-            if (hasKeys()) key = keyOfChild(key, kind);
-            from = best;
-            inside = back ? within : !within;
+            if (kList && take) takeWaiting(item);
+            nearestHit(runs, eye);
+            surfaceOf(runs);
+            readMaterial();
+            addColour(runs);
+            if (kCount && !together()) countRay(ray.depth, ray.kind, feelers, undecided);
+            if (runs && rays == 1u && push.first != 0u) writeFirstHit(word);
+            bool onward = sendOn(item);
             take = !onward;
             alive = runs && (onward || (kList && waits > 0u));
         }
@@ -700,49 +864,13 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
     } while ((kChildren || kList) && trips < push.rayLimit && goesOn(alive));
     if (kList && begun && alive) {
         // The limit of this dispatch: the current ray waits too, on top.
-        if (!take) {
-            uint slot = (waits * push.itemCount + item) * kWaitingWords;
-            waiting[slot] = floatBitsToUint(o.x);
-            waiting[slot + 1u] = floatBitsToUint(o.y);
-            waiting[slot + 2u] = floatBitsToUint(o.z);
-            waiting[slot + 3u] = floatBitsToUint(d.x);
-            waiting[slot + 4u] = floatBitsToUint(d.y);
-            waiting[slot + 5u] = floatBitsToUint(d.z);
-            waiting[slot + 6u] = floatBitsToUint(weight);
-            waiting[slot + 7u] = from;
-            waiting[slot + 8u] = depth << 3 | kind << 1 | (inside ? 1u : 0u);
-            waiting[slot + 9u] = key;
-            waits++;
-        }
+        if (!take) putWaiting(item, ray);
         atomicAdd(counters[kCountUnfinished], 1u);
     }
     if (!kList) fault |= alive ? kFaultLoop : 0u;
-    if (kCutLevels) {
-        colour = vec3(0.0);
-        while (rays > 0u) {
-            rays--;
-            colour = cutLevels(colour * levels[rays].w, levels[rays].xyz);
-        }
-        colour = colour * kOneLevel;
-    }
-    if (kList && mine) {
-        uint state = item * kStateWords;
-        states[state] = floatBitsToUint(colour.x);
-        states[state + 1u] = floatBitsToUint(colour.y);
-        states[state + 2u] = floatBitsToUint(colour.z);
-        states[state + 3u] = (begun && alive ? waits : 0u) | primaryBits << 31;
-    }
-    if (begun && !alive) {
-        if (kColour) {
-            uint drawn = encode(colour.x) | (encode(colour.y) << 8) | (encode(colour.z) << 16) | 0xff000000u;
-            colours[word] = primaryBits != 0u ? drawn : push.background & 0xffffffu;
-        }
-        if ((kPlanes & kTracePlaneLinear) != 0u) {
-            planes[word + kSlotLinear * push.planeWords] = floatBitsToUint(colour.x);
-            planes[word + (kSlotLinear + 1u) * push.planeWords] = floatBitsToUint(colour.y);
-            planes[word + (kSlotLinear + 2u) * push.planeWords] = floatBitsToUint(colour.z);
-        }
-    }
+    if (kCutLevels) sumLevels();
+    if (kList && mine) leaveState(item, begun && alive ? waits : 0u);
+    if (begun && !alive) writeSample(word);
 }
 
 void main() {
