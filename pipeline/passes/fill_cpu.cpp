@@ -62,6 +62,155 @@ struct Geometry {
     }
 };
 
+// Shades pixels of a frame, each by itself, from what is visible there.
+class PixelShader {
+public:
+    PixelShader(const gpu::FrameBox& frame, const DrawList& list, const FillChoices& choices, std::span<const gpu::DrawTriangle> draws,
+                std::span<const gpu::ScreenVertex> screen, std::span<const glm::vec4> carried, std::span<const int> z,
+                std::span<const uint32_t> draw)
+        : frame_(frame), list_(list), choices_(choices), draws_(draws), screen_(screen), carried_(carried), z_(z), draw_(draw) {}
+
+    // Writes the colour of a covered pixel, and its unit normal where Phong shading asks for one.
+    void shade(size_t at, float* colour, float* unitNormal) const {
+        const gpu::DrawTriangle& d = draws_[draw_[at] - 1];
+        const gpu::MaterialRecord& m = list_.materials[list_.triangles[d.source].w];
+        Varying v = varyingAt(at, d);
+        gpu::Colour c{};
+        if (choices_.shading == gpu::kShadingUnlit) {
+            c = {m.diffuse.x, m.diffuse.y, m.diffuse.z};
+        } else if (choices_.shading == gpu::kShadingFlat) {
+            c = {v.value[0], v.value[1], v.value[2]};
+        } else if (choices_.shading == gpu::kShadingGouraud) {
+            const float inverse = gpu::reciprocal(v.weight);
+            c = {v.value[0] * inverse, v.value[1] * inverse, v.value[2] * inverse};
+        } else {
+            if (choices_.unitNormals) {
+                gpu::unitVector(v.value[0], v.value[1], v.value[2]);
+            } else {
+                const float inverse = gpu::reciprocal(v.weight);
+                for (float& normal : v.value) normal *= inverse;
+            }
+            c = {m.base.x, m.base.y, m.base.z};
+            addLights(d, m, v, surfaceAt(at, d, v), c);
+            if (unitNormal) {
+                if (!choices_.unitNormals) gpu::unitVector(v.value[0], v.value[1], v.value[2]);
+                std::copy_n(v.value.begin(), 3, unitNormal);
+            }
+        }
+        colour[0] = c.r;
+        colour[1] = c.g;
+        colour[2] = c.b;
+    }
+
+    // Index of the pixel whose colour a pixel takes, where one pixel in 2 x 2 is shaded.
+    size_t coarsePixel(size_t at) const {
+        const size_t width = size_t(frame_.width), row = at / width;
+        PLUMB_ASSERT(frame_.firstRow % 2 == 0);
+        const size_t corner = (row & ~size_t(1)) * width + (at % width & ~size_t(1));
+        const bool inX = corner % width + 1 < width, inY = (row & ~size_t(1)) + 1 < size_t(frame_.rows);
+        const int which = gpu::firstDrawn(draw_[corner] != 0, inX && draw_[corner + 1] != 0, inY && draw_[corner + width] != 0,
+                                          inX && inY && draw_[corner + width + 1] != 0);
+        return corner + size_t(which & 1) + (which > 1 ? width : 0);
+    }
+
+private:
+    // What a triangle carries to a pixel: a colour or a normal, times the sum of the weights.
+    struct Varying {
+        std::array<float, 3> value{};
+        float weight = 0;
+        gpu::Shares shares{};  // of the corners
+    };
+
+    int64_t columnOf(size_t at) const { return int64_t(at % size_t(frame_.width)); }
+    int64_t rowOf(size_t at) const { return int64_t(at / size_t(frame_.width)) + frame_.firstRow; }
+
+    Varying varyingAt(size_t at, const gpu::DrawTriangle& d) const {
+        Varying v;
+        if (choices_.shading == gpu::kShadingFlat) {
+            const glm::vec4& c = carried_[list_.triangleFace[d.source]];
+            v.value = {c.x, c.y, c.z};
+            v.weight = 1;
+        } else if (choices_.shading >= gpu::kShadingGouraud) {
+            const Geometry g(d, screen_);
+            float e[3], w[3];
+            for (int i = 0; i < 3; ++i) e[i] = g.whole(i, columnOf(at), rowOf(at)) + g.rho(i);
+            int highest = 0;
+            for (uint32_t vertex : d.vertex) highest = std::max(highest, gpu::bitsOf(screen_[vertex].z));
+            for (int i = 0; i < 3; ++i) w[i] = choices_.affine ? 1.0f : screen_[d.vertex[i]].z * gpu::weightScale(highest);
+            const glm::vec4 &a0 = carried_[d.vertex[0]], &a1 = carried_[d.vertex[1]], &a2 = carried_[d.vertex[2]];
+            for (int i = 0; i < 3; ++i) v.value[size_t(i)] = gpu::weigh(a0[i] * w[0], a1[i] * w[1], a2[i] * w[2], e[0], e[1], e[2]);
+            v.weight = gpu::weigh(w[0], w[1], w[2], e[0], e[1], e[2]);
+            v.shares = gpu::sharesOf(w[0], w[1], w[2], e[0], e[1], e[2]);
+        }
+        return v;
+    }
+
+    // Returns a direction as `toward` makes it at a place: of the triangle's face, or interpolated between its corners.
+    template <class Toward>
+    gpu::Toward directionOf(const gpu::DrawTriangle& d, const gpu::Shares& shares, const Toward& toward) const {
+        if (choices_.vectors == gpu::kVectorsFace) {
+            const glm::vec4& p = list_.facePlaces[list_.triangleFace[d.source]];
+            return toward(gpu::Place{p.x, p.y, p.z});
+        }
+        gpu::Toward t[3];
+        for (int i = 0; i < 3; ++i) {
+            const gpu::ScreenVertex& v = screen_[d.vertex[i]];
+            t[i] = toward(gpu::placeOfCorner(v.x, v.y, v.z, list_.viewport.near, list_.rayOrigin, list_.rayX, list_.rayY));
+        }
+        return gpu::Toward{gpu::shared3(shares, t[0].x, t[1].x, t[2].x), gpu::shared3(shares, t[0].y, t[1].y, t[2].y),
+                           gpu::shared3(shares, t[0].z, t[1].z, t[2].z), gpu::shared3(shares, t[0].fade, t[1].fade, t[2].fade)};
+    }
+
+    // Returns normal, place and direction to the eye of a pixel.
+    gpu::Surface surfaceAt(size_t at, const gpu::DrawTriangle& d, const Varying& v) const {
+        gpu::Surface s{};
+        s.nx = v.value[0];
+        s.ny = v.value[1];
+        s.nz = v.value[2];
+        const float px = float(columnOf(at)) + 0.5f, py = float(rowOf(at)) + 0.5f;
+        const float rx = gpu::rayAt(list_.rayOrigin.x, list_.rayX.x, list_.rayY.x, px, py);
+        const float ry = gpu::rayAt(list_.rayOrigin.y, list_.rayX.y, list_.rayY.y, px, py);
+        const float rz = gpu::rayAt(list_.rayOrigin.z, list_.rayX.z, list_.rayY.z, px, py);
+        s.vx = -rx;
+        s.vy = -ry;
+        s.vz = -rz;
+        gpu::seeFrom(list_.towardViewer != glm::vec3(0), list_.towardViewer, s);
+        const float w = gpu::reciprocal(gpu::realOf(z_[at])) * list_.viewport.near;
+        s.px = rx * w;
+        s.py = ry * w;
+        s.pz = rz * w;
+        if (choices_.vectors != gpu::kVectorsPixel && choices_.parts.specular && list_.towardViewer == glm::vec3(0)) {
+            const gpu::Toward eye = directionOf(d, v.shares, [](const gpu::Place& p) { return gpu::eyeFrom(p); });
+            s.vx = eye.x;
+            s.vy = eye.y;
+            s.vz = eye.z;
+        }
+        return s;
+    }
+
+    void addLights(const gpu::DrawTriangle& d, const gpu::MaterialRecord& m, const Varying& v, const gpu::Surface& s,
+                   gpu::Colour& c) const {
+        for (const gpu::LightRecord& light : list_.lights) {
+            const glm::vec4 place(light.place, light.kind), intensity(light.intensity, light.attenuation);
+            if (choices_.vectors == gpu::kVectorsPixel || light.kind == 0) {
+                gpu::addLight(place, intensity, s, reflectanceOf(m), choices_.parts, c);
+            } else {
+                const auto lamp = [&](const gpu::Place& p) { return gpu::lampFrom(place, light.attenuation, p); };
+                gpu::addLightFrom(directionOf(d, v.shares, lamp), intensity, s, reflectanceOf(m), choices_.parts, c);
+            }
+        }
+    }
+
+    const gpu::FrameBox& frame_;
+    const DrawList& list_;
+    const FillChoices& choices_;
+    std::span<const gpu::DrawTriangle> draws_;
+    std::span<const gpu::ScreenVertex> screen_;
+    std::span<const glm::vec4> carried_;
+    std::span<const int> z_;
+    std::span<const uint32_t> draw_;
+};
+
 }  // namespace
 
 void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen,
@@ -99,119 +248,19 @@ void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draw
 void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoices& choices, std::span<const gpu::DrawTriangle> draws,
               std::span<const gpu::ScreenVertex> screen, std::span<const glm::vec4> carried, std::span<const int> z,
               std::span<const uint32_t> draw, std::span<float> linear, std::span<float> normal, uint32_t threads) {
-    const auto shade = [&](size_t at, float* colour, float* unitNormal) {
-        const int64_t x = int64_t(at % size_t(frame.width)), y = int64_t(at / size_t(frame.width)) + frame.firstRow;
-        const gpu::DrawTriangle& d = draws[draw[at] - 1];
-        const gpu::MaterialRecord& m = list.materials[list.triangles[d.source].w];
-        std::array<float, 4> value{};
-        gpu::Shares shares{};
-        if (choices.shading == gpu::kShadingFlat) {
-            const glm::vec4& c = carried[list.triangleFace[d.source]];
-            value = {c.x, c.y, c.z, 1};
-        } else if (choices.shading >= gpu::kShadingGouraud) {
-            const Geometry g(d, screen);
-            float e[3], w[3];
-            for (int i = 0; i < 3; ++i) e[i] = g.whole(i, x, y) + g.rho(i);
-            int highest = 0;
-            for (uint32_t v : d.vertex) highest = std::max(highest, gpu::bitsOf(screen[v].z));
-            for (int i = 0; i < 3; ++i) w[i] = choices.affine ? 1.0f : screen[d.vertex[i]].z * gpu::weightScale(highest);
-            const glm::vec4 &a0 = carried[d.vertex[0]], &a1 = carried[d.vertex[1]], &a2 = carried[d.vertex[2]];
-            for (int i = 0; i < 3; ++i) value[size_t(i)] = gpu::weigh(a0[i] * w[0], a1[i] * w[1], a2[i] * w[2], e[0], e[1], e[2]);
-            value[3] = gpu::weigh(w[0], w[1], w[2], e[0], e[1], e[2]);
-            shares = gpu::sharesOf(w[0], w[1], w[2], e[0], e[1], e[2]);
-        }
-        gpu::Colour c{};
-        if (choices.shading == gpu::kShadingUnlit) {
-            c = {m.diffuse.x, m.diffuse.y, m.diffuse.z};
-        } else if (choices.shading == gpu::kShadingFlat) {
-            c = {value[0], value[1], value[2]};
-        } else if (choices.shading == gpu::kShadingGouraud) {
-            const float inverse = gpu::reciprocal(value[3]);
-            c = {value[0] * inverse, value[1] * inverse, value[2] * inverse};
-        } else {
-            gpu::Surface s{};
-            if (choices.unitNormals) {
-                gpu::unitVector(value[0], value[1], value[2]);
-            } else {
-                const float inverse = gpu::reciprocal(value[3]);
-                for (size_t i = 0; i < 3; ++i) value[i] *= inverse;
-            }
-            s.nx = value[0];
-            s.ny = value[1];
-            s.nz = value[2];
-            const float px = float(x) + 0.5f, py = float(y) + 0.5f;
-            const float rx = gpu::rayAt(list.rayOrigin.x, list.rayX.x, list.rayY.x, px, py);
-            const float ry = gpu::rayAt(list.rayOrigin.y, list.rayX.y, list.rayY.y, px, py);
-            const float rz = gpu::rayAt(list.rayOrigin.z, list.rayX.z, list.rayY.z, px, py);
-            s.vx = -rx;
-            s.vy = -ry;
-            s.vz = -rz;
-            gpu::seeFrom(list.towardViewer != glm::vec3(0), list.towardViewer, s);
-            const float w = gpu::reciprocal(gpu::realOf(z[at])) * list.viewport.near;
-            s.px = rx * w;
-            s.py = ry * w;
-            s.pz = rz * w;
-            c = {m.base.x, m.base.y, m.base.z};
-            // A direction as `toward` makes it at a place, of the face or of each corner.
-            const auto made = [&](const auto& toward) {
-                if (choices.vectors == gpu::kVectorsFace) {
-                    const glm::vec4& p = list.facePlaces[list.triangleFace[d.source]];
-                    return toward(gpu::Place{p.x, p.y, p.z});
-                }
-                gpu::Toward t[3];
-                for (int i = 0; i < 3; ++i) {
-                    const gpu::ScreenVertex& v = screen[d.vertex[i]];
-                    t[i] = toward(gpu::placeOfCorner(v.x, v.y, v.z, list.viewport.near, list.rayOrigin, list.rayX, list.rayY));
-                }
-                return gpu::Toward{gpu::shared3(shares, t[0].x, t[1].x, t[2].x), gpu::shared3(shares, t[0].y, t[1].y, t[2].y),
-                                   gpu::shared3(shares, t[0].z, t[1].z, t[2].z), gpu::shared3(shares, t[0].fade, t[1].fade, t[2].fade)};
-            };
-            const bool atPixels = choices.vectors == gpu::kVectorsPixel;
-            if (!atPixels && choices.parts.specular && list.towardViewer == glm::vec3(0)) {
-                const gpu::Toward eye = made([](const gpu::Place& p) { return gpu::eyeFrom(p); });
-                s.vx = eye.x;
-                s.vy = eye.y;
-                s.vz = eye.z;
-            }
-            for (const gpu::LightRecord& light : list.lights) {
-                const glm::vec4 place(light.place, light.kind), intensity(light.intensity, light.attenuation);
-                if (atPixels || light.kind == 0)
-                    gpu::addLight(place, intensity, s, reflectanceOf(m), choices.parts, c);
-                else
-                    gpu::addLightFrom(made([&](const gpu::Place& p) { return gpu::lampFrom(place, light.attenuation, p); }), intensity, s,
-                                      reflectanceOf(m), choices.parts, c);
-            }
-            if (unitNormal) {
-                if (!choices.unitNormals) gpu::unitVector(value[0], value[1], value[2]);
-                std::copy_n(value.begin(), 3, unitNormal);
-            }
-        }
-        colour[0] = c.r;
-        colour[1] = c.g;
-        colour[2] = c.b;
-    };
-    // The pixel whose colour a pixel takes.
-    const auto shaded = [&](size_t at) {
-        const size_t width = size_t(frame.width), row = at / width;
-        PLUMB_ASSERT(frame.firstRow % 2 == 0);
-        const size_t corner = (row & ~size_t(1)) * width + (at % width & ~size_t(1));
-        const bool inX = corner % width + 1 < width, inY = (row & ~size_t(1)) + 1 < size_t(frame.rows);
-        const int which = gpu::firstDrawn(draw[corner] != 0, inX && draw[corner + 1] != 0, inY && draw[corner + width] != 0,
-                                          inX && inY && draw[corner + width + 1] != 0);
-        return corner + size_t(which & 1) + (which > 1 ? width : 0);
-    };
+    const PixelShader shader(frame, list, choices, draws, screen, carried, z, draw);
     parallelBands(uint64_t(frame.rows), 8, threads, [&](uint64_t begin, uint64_t end) {
         for (size_t at = begin * frame.width; at < end * frame.width; ++at) {
             if (!draw[at]) continue;
             float* colour = &linear[3 * at];
             float* unitNormal = normal.empty() ? nullptr : &normal[3 * at];
-            const size_t from = choices.coarse ? shaded(at) : at;
-            if (from == at || unitNormal) shade(at, colour, unitNormal);
+            const size_t from = choices.coarse ? shader.coarsePixel(at) : at;
+            if (from == at || unitNormal) shader.shade(at, colour, unitNormal);
             if (from == at) continue;
             if (from >= begin * frame.width && from < at)
                 std::copy_n(&linear[3 * from], 3, colour);
             else
-                shade(from, colour, nullptr);
+                shader.shade(from, colour, nullptr);
         }
     });
 }

@@ -4,6 +4,7 @@
 
 #include "pipeline/render/render.h"
 
+#include <cmath>
 #include <glm/glm.hpp>
 #include <limits>
 #include <vector>
@@ -52,6 +53,8 @@ inline glm::dvec3 brightestOf(const Scene& scene, const Material& m, const glm::
     return glm::dvec3(m.ambient) * glm::dvec3(scene.ambient) + glm::dvec3(m.emission) +
            light * (glm::dvec3(m.diffuse) + glm::dvec3(m.specular));
 }
+
+inline bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 inline constexpr const char* kLampTouches = "a light that fades with distance may touch a surface";
 
