@@ -5,13 +5,13 @@
 #include "pipeline/command/error_report.h"
 #include "pipeline/command/interrupt.h"
 #include "pipeline/command/output_plan.h"
+#include "pipeline/command/picture_report.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
 #include "pipeline/command/stereo.h"
 #include "pipeline/command/views.h"
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
-#include "pipeline/measure/axes.h"
 #include "pipeline/render/bounds/vertex_error.h"
 #include "pipeline/render/technique.h"
 #include "pipeline/scene/text.h"
@@ -20,10 +20,7 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <filesystem>
 #include <future>
 #include <glm/glm.hpp>
 #include <memory>
@@ -38,58 +35,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 double millisecondsSince(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
-
-// As on the command line; nothing for the defaults.
-std::string raysInWords(const RayChoices& rays) {
-    std::string words;
-    const auto add = [&](const std::string& word) { words += (words.empty() ? "" : " ") + word; };
-    if (rays.sampling != RayChoices::Sampling::grid) add(fmt::format("sampling={}", nameOf(rays.sampling)));
-    for (const auto& [name, amount] :
-         {std::pair("reflect", rays.jitterReflect), std::pair("refract", rays.jitterRefract), std::pair("shadow", rays.jitterShadow)})
-        if (amount > 0) add(fmt::format("jitter.{}={:g}", name, amount));
-    if (rays.seed != 0) add(fmt::format("seed={}", rays.seed));
-    if (rays.cutLevels) add("levels=cut");
-    return words;
-}
-
-Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest& request, const Viewpoint& view, const Stereo& stereo) {
-    // Neither device nor time nor folder: the same scene gives the same file on every machine.
-    const Json tool = toolJson();
-    Metadata metadata;
-    metadata["Software"] = fmt::format("plumb {} ({})", versionText(), tool["git"].get<std::string>());
-    std::string names, hashes;
-    for (const SourceFile& source : sources) {
-        names += (names.empty() ? "" : "\n") + printable(std::filesystem::path(source.path).filename().string());
-        hashes += (hashes.empty() ? "" : "\n") + source.sha256;
-    }
-    metadata["scene"] = names;
-    metadata["scene_sha256"] = hashes;
-    metadata["shading"] = nameOf(request.shading);
-    metadata["fill"] = nameOf(request.fill);
-    metadata["samples"] = std::to_string(request.samples);
-    metadata["encoding"] = nameOf(request.encoding);
-    // Nothing for the default, whose files stay as they are.
-    if (request.wire != WireView::seeThrough) metadata["wire"] = request.wire == WireView::solid ? "solid" : "culled";
-    if (request.distantViewer) metadata["viewer"] = "distant";
-    if (request.trade != Trade{}) metadata["trade"] = wordsOf({request, true});
-    if (const std::string rays = raysInWords(request.rays); !rays.empty()) metadata["rays"] = rays;
-    metadata["camera"] = cameraJson(view.camera).dump();
-    if (stereo.form != StereoForm::none) metadata["stereo"] = stereo.json().dump();
-    metadata["determinism"] = determinismOf(request);
-    return metadata;
-}
-
-std::string explained(const Plan& plan) {
-    std::string text = fmt::format("passes: {}\n", plan.steps.empty() ? "none" : fmt::format("{}", fmt::join(plan.names(), ", ")));
-    for (const PlanStep& step : plan.steps) {
-        const std::string where = step.fusedIn.empty() ? nameOf(step.side) : "in " + step.fusedIn;
-        text += fmt::format("  {:<10} {:<10} {}{}\n", step.name, where, step.why,
-                            step.idle.empty() ? "" : fmt::format(" (nothing to do: {})", step.idle));
-    }
-    for (const Plan::Drop& drop : plan.dropped) text += fmt::format("dropped: {}: {}\n", drop.what, drop.why);
-    for (const std::string& choice : plan.choices) text += fmt::format("choice: {}\n", choice);
-    return text;
-}
 
 // `eye`: of a stereo pair; else every file is of this picture.
 void writePicture(FileBatch& batch, const std::vector<OutputFile>& files, const Frame& frame, const OutputPlan& plan,
@@ -118,16 +63,6 @@ void writePicture(FileBatch& batch, const std::vector<OutputFile>& files, const 
     }
 }
 
-std::string counted(uint64_t count, const char* thing) { return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s"); }
-
-std::string contentOf(const Scene& scene, const RenderCounters& counters) {
-    std::vector<std::string> parts;
-    if (!scene.objects.empty()) parts.push_back(counted(counters.triangles, "triangle"));
-    if (!scene.spheres.empty()) parts.push_back(counted(scene.spheres.size(), "sphere"));
-    if (!scene.planes.empty()) parts.push_back(counted(scene.planes.size(), "plane"));
-    return fmt::format("{}", fmt::join(parts, ", "));
-}
-
 std::string namesOf(const std::vector<OutputFile>& files) {
     std::vector<std::string> names;
     for (const OutputFile& file : files) names.push_back(printable(file.path));
@@ -140,58 +75,43 @@ void refuseFaults(const FrameFacts& facts) {
                                   facts.firstFault));
 }
 
-Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector<SourceFile>& sources, const Viewpoint& view,
-                 const RenderRequest& request, const RenderResult& result, const FrameFacts& facts, bool blank) {
-    Json json;
-    json["tool"] = toolJson();
-    json["host"] = hostJson();
-    json["device"] = renderer.json();
-    json["fallback"] = renderer.fallbacks();
-    json["scene"] = sceneJson(scene, sources);
-    json["view"] = view.name;
-    json["camera"] = cameraJson(view.camera);
-    json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)},
-                       {"samples", request.samples},         {"encoding", nameOf(request.encoding)},
-                       {"transparent", request.transparent}, {"viewer", request.distantViewer ? "distant" : "local"}};
-    if (request.shading == Shading::ray) json["options"]["rays"] = raysInWords(request.rays);
-    json["plan"] = planJson(result.plan);
-    json["time_ms"] = Json::object();  // filled when the picture is written
-    json["image"] = imageJson(result.frame, facts, blank);
-    json["counters"] = countersJson(result.counters);
-    json["determinism"] = determinismOf(request);
-    json["memory"] = memoryJson(renderer);
-    return json;
-}
+struct Loaded {
+    Scene scene;
+    std::vector<SourceFile> sources;
+    glm::uvec2 size{0};
+    std::vector<Viewpoint> views;
+    double ms = 0;
+};
 
-}  // namespace
-
-Exit renderCommand(const Options& options) {
-    const auto start = Clock::now();
+// Refuses what can be refused before a mesh is read.
+void refuseOutput(const Options& options) {
     if (options.output.empty() && !options.explain) throw usageError("-o FILE is missing");
     if (!options.output.empty()) filledIn(options.output, {});
-    // What can be refused before a mesh is read.
     if (!options.output.empty() && options.output.find('{') == std::string::npos) checkWritable(options.output, options.noClobber);
+}
 
-    // Opening a device costs more than loading a small scene, and neither needs the other. A refused input is told first.
-    const bool draws = !options.output.empty();
-    auto opening =
-        std::async(draws ? std::launch::async : std::launch::deferred, [&options] { return std::make_unique<Renderer>(options); });
-    Progress progress(options.progress, options.quiet);
-    const LoadOptions load = loadOptionsOf(options, &progress);
-    Scene scene = loadScene({options.inputs.begin(), options.inputs.end()}, load);
-    const std::vector<SourceFile> sources = sourcesOf(options.inputs, load);
-    const bool bareMesh = isBareMesh(options.inputs[0], load);
-    load.once->clear();
+Loaded load(const Options& options, Progress& progress, Clock::time_point start) {
+    Loaded loaded;
+    const LoadOptions how = loadOptionsOf(options, &progress);
+    loaded.scene = loadScene({options.inputs.begin(), options.inputs.end()}, how);
+    loaded.sources = sourcesOf(options.inputs, how);
+    const bool bareMesh = isBareMesh(options.inputs[0], how);
+    how.once->clear();
     progress.clear();
-    const glm::uvec2 size = sizeOf(scene, options);
-    const std::vector<Viewpoint> views = viewsOf(scene, size, options, bareMesh);
-    const double loadMs = millisecondsSince(start);
-    for (const std::string& ignored : scene.ignored) say(options, fmt::format("plumb: not drawn: {}", ignored));
-    for (const std::string& warning : scene.warnings) say(options, fmt::format("plumb: warning: {}", warning));
+    loaded.size = sizeOf(loaded.scene, options);
+    loaded.views = viewsOf(loaded.scene, loaded.size, options, bareMesh);
+    loaded.ms = millisecondsSince(start);
+    for (const std::string& ignored : loaded.scene.ignored) say(options, fmt::format("plumb: not drawn: {}", ignored));
+    for (const std::string& warning : loaded.scene.warnings) say(options, fmt::format("plumb: warning: {}", warning));
+    return loaded;
+}
 
-    RenderRequest request = requestOf(options, scene, size);
-    scene.camera = views[0].camera;
-    scene.lights = views[0].lights;
+// The request of the first view, or an Error where nothing draws it.
+RenderRequest choose(const Options& options, Loaded& loaded) {
+    Scene& scene = loaded.scene;
+    RenderRequest request = requestOf(options, scene, loaded.size);
+    scene.camera = loaded.views[0].camera;
+    scene.lights = loaded.views[0].lights;
     refuse(scene, request);
     if (const std::string asked = leftToRays(scene, request); !asked.empty()) {
         if (options.strict)
@@ -201,176 +121,291 @@ Exit renderCommand(const Options& options) {
     }
     if (options.stereo != StereoForm::none && techniqueOf(scene, request).parallel)
         throw usageError("--stereo: --fill notes draws spheres in parallel projection, which shows both eyes the same");
-    // Warnings of moved vertices: in the JSON of each view, on standard error once an object.
-    std::set<uint32_t> toldMoved;
-    const auto tellMoved = [&](Json& sceneReport) {
+    return request;
+}
+
+// Asks for the planes that the truth is compared with; they change no byte of the picture.
+void askForTruth(const Options& options, const Scene& scene, RenderRequest& request) {
+    if (options.stereo != StereoForm::none) throw usageError("--with-error: the truth is that of one eye; measure each by its own --eye");
+    if (!techniqueOf(scene, request).showsSurfaces())
+        throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
+    request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
+}
+
+// Warnings of moved vertices: in the JSON of each view, on standard error once an object.
+class MovedVertices {
+public:
+    explicit MovedVertices(const Options& options) : options_(options) {}
+    void tell(const Scene& scene, const RenderRequest& request, Json& sceneReport) {
         for (const VertexError& error : vertexErrors(scene, request)) {
             const std::string sentence = sentenceOf(scene, error);
             sceneReport["warnings"].push_back(sentence);
-            if (toldMoved.insert(error.object).second) say(options, fmt::format("plumb: warning: {}", sentence));
+            if (told_.insert(error.object).second) say(options_, fmt::format("plumb: warning: {}", sentence));
         }
-    };
-    if (!draws) {
-        Json sceneReport = sceneJson(scene, sources);
-        tellMoved(sceneReport);
-        const Plan plan = planRender(scene, request, options.device == "twin" ? RunsOn::twin : RunsOn::device);
-        if (!options.json || !options.jsonFile.empty()) printData(explained(plan));
-        writeJson(options,
-                  {{{"tool", toolJson()}, {"scene", sceneReport}, {"camera", cameraJson(views[0].camera)}, {"plan", planJson(plan)}}});
-        return Exit::done;
-    }
-    const OutputPlan plan = outputPlanOf(options, views, size);
-    request.planes = plan.planes;
-    if (options.withError) {
-        if (options.stereo != StereoForm::none)
-            throw usageError("--with-error: the truth is that of one eye; measure each by its own --eye");
-        if (!techniqueOf(scene, request).showsSurfaces())
-            throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
-        request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;  // which change no byte of the picture
     }
 
-    const std::unique_ptr<Renderer> renderer = opening.get();
-    if (!options.quiet && !renderer->choice().advice.empty())
-        say(options, fmt::format("plumb: {}\n{}", renderer->choice().reason, renderer->choice().advice));
-    if (options.verbose != 0) say(options, fmt::format("device: {}", renderer->choice().reason));
-    size_t told = 0;
-    const auto tellFallbacks = [&] {
-        for (; told < renderer->fallbacks().size(); ++told) tell(fmt::format("plumb: {}", renderer->fallbacks()[told]));
-    };
-    tellFallbacks();
+private:
+    const Options& options_;
+    std::set<uint32_t> told_;
+};
 
-    request.onProgress = [&progress](double fraction) {
-        progress.update(fraction);
-        return interruptedBy() == 0;
+void explainOnly(const Options& options, const Loaded& loaded, const RenderRequest& request) {
+    Json sceneReport = sceneJson(loaded.scene, loaded.sources);
+    MovedVertices(options).tell(loaded.scene, request, sceneReport);
+    const Plan plan = planRender(loaded.scene, request, options.device == "twin" ? RunsOn::twin : RunsOn::device);
+    if (!options.json || !options.jsonFile.empty()) printData(explained(plan));
+    writeJson(options,
+              {{{"tool", toolJson()}, {"scene", sceneReport}, {"camera", cameraJson(loaded.views[0].camera)}, {"plan", planJson(plan)}}});
+}
+
+// Draws, judges and writes the picture of each view.
+class Pictures {
+public:
+    Pictures(const Options& options, Loaded& loaded, RenderRequest request, OutputPlan plan, Renderer& renderer, Progress& progress,
+             Clock::time_point start)
+        : options_(options),
+          loaded_(loaded),
+          request_(std::move(request)),
+          plan_(std::move(plan)),
+          renderer_(renderer),
+          progress_(progress),
+          start_(start),
+          reportOnOutput_(options.json && options.jsonFile.empty()),
+          moved_(options) {
+        if (!options_.quiet && !renderer_.choice().advice.empty())
+            say(options_, fmt::format("plumb: {}\n{}", renderer_.choice().reason, renderer_.choice().advice));
+        if (options_.verbose != 0) say(options_, fmt::format("device: {}", renderer_.choice().reason));
+        tellFallbacks();
+        request_.onProgress = [this](double fraction) {
+            progress_.update(fraction);
+            return interruptedBy() == 0;
+        };
+        if (reportOnOutput_) expectReader();
+    }
+    Pictures(const Pictures&) = delete;
+    Pictures& operator=(const Pictures&) = delete;
+
+    Exit make() {
+        for (size_t i = 0; i < loaded_.views.size(); ++i) {
+            makeView(i);
+            if (i + 1 == loaded_.views.size() || !batch_.due()) continue;
+            if (reportOnOutput_) expectReader();
+            batch_.commit();
+            sayLines();
+        }
+        if (plan_.sheet && verdict_ == Exit::done) writeSheet();
+        finish(options_, batch_, "", reports_);
+        sayLines();
+        return verdict_;
+    }
+
+private:
+    struct Picture {
+        size_t view;
+        Clock::time_point start;
+        Stereo stereo;
+        double begin, drawn, end;  // shares of the progress: the drawing, then the truth
+        RenderResult result = {};
+        std::optional<RenderResult> secondEye = {};  // of a pair
+        FrameFacts facts = {};
+        bool blank = false, refused = false;
+        Json report = {};
+        double truthMs = 0, writeMs = 0;
     };
-    Exit verdict = Exit::done;
-    std::vector<Json> reports;
-    std::vector<Frame> cells;
-    // Pictures that are finished wait for one another, because they are synced together; so do the lines that name them.
-    FileBatch batch;
-    std::vector<std::string> lines;
-    const bool reportOnOutput = options.json && options.jsonFile.empty();
-    if (reportOnOutput) expectReader();
-    const auto sayLines = [&] {
-        for (const std::string& line : lines) say(options, line);
-        lines.clear();
-    };
-    for (size_t i = 0; i < views.size(); ++i) {
+
+    void makeView(size_t i) {
         stopIfInterrupted();
         const auto pictureStart = Clock::now();
-        scene.camera = views[i].camera;
-        scene.lights = views[i].lights;
-        const std::string which = views.size() == 1 ? "" : fmt::format(" {}/{}", i + 1, views.size());
-        const double begin = double(i) / double(views.size()), end = double(i + 1) / double(views.size());
-        const double drawn = options.withError ? (begin + end) / 2 : end;  // where the truth begins
-        progress.begin("render" + which, begin, drawn);
-        const Stereo stereo(options, views[i].camera, size);
-        std::optional<RenderResult> secondEye;  // of a pair
-        RenderResult result;
-        if (stereo.form == StereoForm::none) {
-            result = renderer->render(scene, request);
-        } else if (stereo.form == StereoForm::pair) {
-            result = renderEye(*renderer, scene, views[i].camera, request, stereo, Eye::left);
-            secondEye = renderEye(*renderer, scene, views[i].camera, request, stereo, Eye::right);
-        } else {
-            result = renderBothEyes(*renderer, scene, views[i].camera, request, stereo);
-        }
+        loaded_.scene.camera = loaded_.views[i].camera;
+        loaded_.scene.lights = loaded_.views[i].lights;
+        const double begin = double(i) / double(loaded_.views.size()), end = double(i + 1) / double(loaded_.views.size());
+        Picture p{
+            i,  pictureStart, Stereo(options_, loaded_.views[i].camera, loaded_.size), begin, options_.withError ? (begin + end) / 2 : end,
+            end};
+        draw(p);
+        judge(p);
+        report(p);
+        if (options_.withError) compareWithTruth(p);
+        const glm::uvec2 drawnSize(p.result.frame.width, p.result.frame.height);
+        if (p.result.frame.coveredPixels == 0 && !p.refused) say(options_, nothingSeen(p.result.counters));
+        write(p);
+        if (options_.json) completeReport(p);
+        addLines(p, drawnSize);
+    }
+
+    // " 3/24", as the name of a task ends; nothing for a single view.
+    std::string which(const Picture& p) const {
+        return loaded_.views.size() == 1 ? "" : fmt::format(" {}/{}", p.view + 1, loaded_.views.size());
+    }
+
+    void endTask() {
         stopIfInterrupted();
-        progress.update(1);
-        progress.clear();
-        tellFallbacks();
-        renderer->checkValidation();
-        const FrameFacts facts = factsOf(result.frame, options.json || options.failBlank);
-        refuseFaults(facts);
-        if (secondEye) refuseFaults(factsOf(secondEye->frame, false));
-        const bool blank = isBlank(facts, options.failBlank.value_or(0.001));
-        const bool refused = blank && options.failBlank;
-        if (refused) {
-            verdict = Exit::blank;
-            tell(fmt::format("plumb: the picture is blank ({} of {} pixels covered, {} colours); nothing is written", facts.covered,
-                             facts.pixels, facts.distinctColours));
+        progress_.update(1);
+        progress_.clear();
+    }
+
+    void draw(Picture& p) {
+        const Camera& camera = loaded_.views[p.view].camera;
+        progress_.begin("render" + which(p), p.begin, p.drawn);
+        if (p.stereo.form == StereoForm::none) {
+            p.result = renderer_.render(loaded_.scene, request_);
+        } else if (p.stereo.form == StereoForm::pair) {
+            p.result = renderEye(renderer_, loaded_.scene, camera, request_, p.stereo, Eye::left);
+            p.secondEye = renderEye(renderer_, loaded_.scene, camera, request_, p.stereo, Eye::right);
+        } else {
+            p.result = renderBothEyes(renderer_, loaded_.scene, camera, request_, p.stereo);
         }
-        if (options.explain && i == 0) {
-            const std::string text = explained(result.plan);
+        endTask();
+        tellFallbacks();
+        renderer_.checkValidation();
+    }
+
+    // Throws where a value is not finite; a blank picture is refused with --fail-blank.
+    void judge(Picture& p) {
+        p.facts = factsOf(p.result.frame, options_.json || options_.failBlank);
+        refuseFaults(p.facts);
+        if (p.secondEye) refuseFaults(factsOf(p.secondEye->frame, false));
+        p.blank = isBlank(p.facts, options_.failBlank.value_or(0.001));
+        p.refused = p.blank && options_.failBlank;
+        if (p.refused) {
+            verdict_ = Exit::blank;
+            tell(fmt::format("plumb: the picture is blank ({} of {} pixels covered, {} colours); nothing is written", p.facts.covered,
+                             p.facts.pixels, p.facts.distinctColours));
+        }
+    }
+
+    void report(Picture& p) {
+        if (options_.explain && p.view == 0) {
+            const std::string text = explained(p.result.plan);
             tell(text.substr(0, text.size() - 1));
         }
-
-        Json report, sceneReport;
-        tellMoved(sceneReport);
-        if (options.json) report = pictureJson(*renderer, scene, sources, views[i], request, result, facts, blank);
-        if (options.json && stereo.form != StereoForm::none) report["stereo"] = stereo.json();
-        if (options.json && sceneReport.contains("warnings"))
-            for (const Json& sentence : sceneReport["warnings"]) report["scene"]["warnings"].push_back(sentence);
-        double truthMs = 0;
-        if (options.withError) {
-            progress.begin("truth" + which, drawn, end);
-            const Truth truth = truthOf(scene, request);
-            stopIfInterrupted();
-            progress.update(1);
-            progress.clear();
-            const FrameError error = errorOf(result.frame, truth, request.encoding, request.transparent);
-            const std::optional<Rounding> rounding = roundingOf(scene, request, result.frame);
-            say(options, errorLine(error, truth, rounding));
-            truthMs = truth.timeMs;
-            report["truth"] = truthJson(truth);
-            report["error"] = errorJson(error, true, rounding);
-        }
-        const glm::uvec2 drawnSize(result.frame.width, result.frame.height);
-        if (result.frame.coveredPixels == 0 && !refused) say(options, nothingSeen(result.counters));
-        const auto writeStart = Clock::now();
-        if (plan.sheet) {
-            cells.push_back(std::move(result.frame));
-        } else if (!refused) {
-            const Metadata metadata = metadataOf(sources, request, views[i], stereo);
-            writePicture(batch, plan.files[i], result.frame, plan, options, request, metadata,
-                         secondEye ? std::optional(Eye::left) : std::nullopt);
-            if (secondEye) writePicture(batch, plan.files[i], secondEye->frame, plan, options, request, metadata, Eye::right);
-        }
-        const double writeMs = millisecondsSince(writeStart);
-        if (options.json) {
-            const double perSecond = result.totalMs > 0 ? 1000 / result.totalMs : 0;  // of the picture alone, without loading and writing
-            report["frame_rate"] = {{"per_second", perSecond}, {"holds_30", perSecond >= 30}, {"holds_60", perSecond >= 60}};
-            Json& times = report["time_ms"];
-            times["load"] = loadMs;
-            times["device"] = renderer->openMs();
-            times["passes"] = Json::object();
-            for (const PassTime& time : result.times) times["passes"][time.pass] = time.ms;
-            times["render"] = result.totalMs;
-            if (options.withError) times["truth"] = truthMs;
-            times["write"] = writeMs;
-            times["total"] = i == 0 ? millisecondsSince(start) : millisecondsSince(pictureStart);
-            report["output"] = Json::array();
-            if (!refused && verdict == Exit::done)
-                for (const OutputFile& file : plan.files[plan.sheet ? 0 : i]) report["output"].push_back(file.path);
-            reports.push_back(std::move(report));
-        }
-        const std::string where = refused ? "nothing written" : plan.sheet ? printable(views[i].name) : namesOf(plan.files[i]);
-        const std::string form = stereo.form == StereoForm::none ? "" : fmt::format(" {}", nameOf(stereo.form));
-        lines.push_back(fmt::format("{}: {}x{} {}{}{}, {}, {:.1f} ms on {}", where, drawnSize.x, drawnSize.y, nameOf(request.shading), form,
-                                    options.interlace ? " in two fields" : "", contentOf(scene, result.counters), result.totalMs,
-                                    renderer->name()));
-        if (options.verbose != 0)
-            for (const PassTime& time : result.times)
-                lines.push_back(fmt::format("  {:<12} {:9.3f} ms  {} dispatches", time.pass, time.ms, time.dispatches));
-        if (i + 1 == views.size() || !batch.due()) continue;
-        if (reportOnOutput) expectReader();
-        batch.commit();
-        sayLines();
+        Json sceneReport;
+        moved_.tell(loaded_.scene, request_, sceneReport);
+        if (!options_.json) return;
+        p.report = pictureJson(renderer_, loaded_.scene, loaded_.sources, loaded_.views[p.view], request_, p.result, p.facts, p.blank);
+        if (p.stereo.form != StereoForm::none) p.report["stereo"] = p.stereo.json();
+        if (sceneReport.contains("warnings"))
+            for (const Json& sentence : sceneReport["warnings"]) p.report["scene"]["warnings"].push_back(sentence);
     }
-    if (plan.sheet && verdict == Exit::done) {
-        const glm::vec3& b = request.background;
-        const Frame sheet = contactSheet(cells, 0, backgroundPixel(request), {b.r, b.g, b.b});
-        Metadata metadata = metadataOf(sources, request, views[0], Stereo(options, views[0].camera, size));
+
+    void compareWithTruth(Picture& p) {
+        progress_.begin("truth" + which(p), p.drawn, p.end);
+        const Truth truth = truthOf(loaded_.scene, request_);
+        endTask();
+        const FrameError error = errorOf(p.result.frame, truth, request_.encoding, request_.transparent);
+        const std::optional<Rounding> rounding = roundingOf(loaded_.scene, request_, p.result.frame);
+        say(options_, errorLine(error, truth, rounding));
+        p.truthMs = truth.timeMs;
+        p.report["truth"] = truthJson(truth);
+        p.report["error"] = errorJson(error, true, rounding);
+    }
+
+    // Hands the frame to the batch of files, or to the sheet.
+    void write(Picture& p) {
+        const auto writeStart = Clock::now();
+        if (plan_.sheet) {
+            cells_.push_back(std::move(p.result.frame));
+        } else if (!p.refused) {
+            const Metadata metadata = metadataOf(loaded_.sources, request_, loaded_.views[p.view], p.stereo);
+            writePicture(batch_, plan_.files[p.view], p.result.frame, plan_, options_, request_, metadata,
+                         p.secondEye ? std::optional(Eye::left) : std::nullopt);
+            if (p.secondEye) writePicture(batch_, plan_.files[p.view], p.secondEye->frame, plan_, options_, request_, metadata, Eye::right);
+        }
+        p.writeMs = millisecondsSince(writeStart);
+    }
+
+    void completeReport(Picture& p) {
+        const double perSecond = p.result.totalMs > 0 ? 1000 / p.result.totalMs : 0;  // of the picture alone, without loading and writing
+        p.report["frame_rate"] = {{"per_second", perSecond}, {"holds_30", perSecond >= 30}, {"holds_60", perSecond >= 60}};
+        Json& times = p.report["time_ms"];
+        times["load"] = loaded_.ms;
+        times["device"] = renderer_.openMs();
+        times["passes"] = Json::object();
+        for (const PassTime& time : p.result.times) times["passes"][time.pass] = time.ms;
+        times["render"] = p.result.totalMs;
+        if (options_.withError) times["truth"] = p.truthMs;
+        times["write"] = p.writeMs;
+        times["total"] = p.view == 0 ? millisecondsSince(start_) : millisecondsSince(p.start);
+        p.report["output"] = Json::array();
+        if (!p.refused && verdict_ == Exit::done)
+            for (const OutputFile& file : plan_.files[plan_.sheet ? 0 : p.view]) p.report["output"].push_back(file.path);
+        reports_.push_back(std::move(p.report));
+    }
+
+    void addLines(const Picture& p, glm::uvec2 drawnSize) {
+        const std::string where = p.refused     ? "nothing written"
+                                  : plan_.sheet ? printable(loaded_.views[p.view].name)
+                                                : namesOf(plan_.files[p.view]);
+        const std::string form = p.stereo.form == StereoForm::none ? "" : fmt::format(" {}", nameOf(p.stereo.form));
+        lines_.push_back(fmt::format("{}: {}x{} {}{}{}, {}, {:.1f} ms on {}", where, drawnSize.x, drawnSize.y, nameOf(request_.shading),
+                                     form, options_.interlace ? " in two fields" : "", contentOf(loaded_.scene, p.result.counters),
+                                     p.result.totalMs, renderer_.name()));
+        if (options_.verbose != 0)
+            for (const PassTime& time : p.result.times)
+                lines_.push_back(fmt::format("  {:<12} {:9.3f} ms  {} dispatches", time.pass, time.ms, time.dispatches));
+    }
+
+    void writeSheet() {
+        const glm::vec3& b = request_.background;
+        const Frame sheet = contactSheet(cells_, 0, backgroundPixel(request_), {b.r, b.g, b.b});
+        const std::vector<Viewpoint>& views = loaded_.views;
+        Metadata metadata = metadataOf(loaded_.sources, request_, views[0], Stereo(options_, views[0].camera, loaded_.size));
         metadata.erase("camera");
         std::string names;
         for (const Viewpoint& view : views) names += (names.empty() ? "" : " ") + view.name;
         metadata["views"] = names;
-        writePicture(batch, plan.files[0], sheet, plan, options, request, metadata);
-        lines.push_back(fmt::format("{}: {} views, {}x{}", printable(plan.files[0][0].path), views.size(), sheet.width, sheet.height));
+        writePicture(batch_, plan_.files[0], sheet, plan_, options_, request_, metadata);
+        lines_.push_back(fmt::format("{}: {} views, {}x{}", printable(plan_.files[0][0].path), views.size(), sheet.width, sheet.height));
     }
-    finish(options, batch, "", reports);
-    sayLines();
-    return verdict;
+
+    void tellFallbacks() {
+        for (; told_ < renderer_.fallbacks().size(); ++told_) tell(fmt::format("plumb: {}", renderer_.fallbacks()[told_]));
+    }
+
+    void sayLines() {
+        for (const std::string& line : lines_) say(options_, line);
+        lines_.clear();
+    }
+
+    const Options& options_;
+    Loaded& loaded_;
+    RenderRequest request_;
+    const OutputPlan plan_;
+    Renderer& renderer_;
+    Progress& progress_;
+    const Clock::time_point start_;
+    const bool reportOnOutput_;
+    MovedVertices moved_;
+    size_t told_ = 0;  // fallbacks
+    Exit verdict_ = Exit::done;
+    std::vector<Json> reports_;
+    std::vector<Frame> cells_;
+    // Pictures that are finished wait for one another, because they are synced together; so do the lines that name them.
+    FileBatch batch_;
+    std::vector<std::string> lines_;
+};
+
+}  // namespace
+
+Exit renderCommand(const Options& options) {
+    const auto start = Clock::now();
+    refuseOutput(options);
+    // Opening a device costs more than loading a small scene, and neither needs the other. A refused input is told first.
+    const bool draws = !options.output.empty();
+    auto opening =
+        std::async(draws ? std::launch::async : std::launch::deferred, [&options] { return std::make_unique<Renderer>(options); });
+    Progress progress(options.progress, options.quiet);
+    Loaded loaded = load(options, progress, start);
+    RenderRequest request = choose(options, loaded);
+    if (!draws) {
+        explainOnly(options, loaded, request);
+        return Exit::done;
+    }
+    OutputPlan plan = outputPlanOf(options, loaded.views, loaded.size);
+    request.planes = plan.planes;
+    if (options.withError) askForTruth(options, loaded.scene, request);
+    const std::unique_ptr<Renderer> renderer = opening.get();
+    return Pictures(options, loaded, std::move(request), std::move(plan), *renderer, progress, start).make();
 }
 
 }  // namespace plumb

@@ -110,113 +110,162 @@ Json jsonOf(const VerifyReport& report, const std::vector<std::string>& written)
     return json;
 }
 
+void refuseOutput(const Options& options) {
+    if (options.output.empty() || fs::is_directory(options.output)) return;
+    if (options.output == "-") throw usageError("--output: '-' is refused; accepted: a folder, or a path that ends in .png");
+    checkWritable(fs::path(options.output).parent_path() / "twin.png", false);
+}
+
+void refuseTwinAlone(Renderer& renderer) {
+    if (renderer.device() != nullptr) return;
+    std::string why = renderer.choice().reason;
+    for (const std::string& fallback : renderer.fallbacks()) why += fmt::format("; {}", fallback);
+    if (!renderer.choice().advice.empty()) why += fmt::format("\n{}", renderer.choice().advice);
+    throw deviceError(fmt::format("verify compares a device with the twin, and there is no device: {}", why));
+}
+
+// Checks pictures one by one. Scene files stand alone; every input is a scene of its own here, so that a folder of meshes is a list of
+// checks.
+class Checks {
+public:
+    Checks(const Options& options, Renderer& renderer, std::chrono::steady_clock::time_point start)
+        : options_(options), renderer_(renderer), start_(start), progress_(options.progress, options.quiet) {
+        if (reportOnOutput_) expectReader();
+    }
+
+    Exit make() {
+        for (size_t i = 0; i < options_.inputs.size(); ++i) checkInput(i);
+        finish(options_, files_, "", reports_);
+        sayTexts();
+        return verdict_;
+    }
+
+private:
+    // One input and its pictures.
+    struct Input {
+        std::string path;
+        Scene scene;
+        std::vector<SourceFile> sources;
+        glm::uvec2 size{0};
+        std::vector<Viewpoint> views;
+        RenderRequest request;
+        size_t firstNumber = 0, count = 0;  // of its pictures, and of all
+    };
+
+    void checkInput(size_t i) {
+        stopIfInterrupted();
+        Options one = options_;
+        one.inputs = {options_.inputs[i]};
+        // A scene's load is the first part of its share.
+        const double begin = double(i) / double(options_.inputs.size()), share = 1 / double(options_.inputs.size());
+        const double drawn = begin + share * kLoadShare;
+        const LoadOptions load = loadOptionsOf(options_, &progress_, begin, drawn);
+        Input input;
+        input.path = one.inputs[0];
+        input.scene = loadScene({one.inputs[0]}, load);
+        if (options_.json) input.sources = sourcesOf(one.inputs, load);
+        input.size = sizeOf(input.scene, one);
+        input.views = viewsOf(input.scene, input.size, one, isBareMesh(one.inputs[0], load));
+        input.request = requestOf(one, input.scene, input.size);
+        input.request.onProgress = [this](double fraction) {
+            progress_.update(fraction);
+            return interruptedBy() == 0;
+        };
+        input.firstNumber = i * input.views.size();
+        input.count = options_.inputs.size() * input.views.size();
+        const double viewCount = double(input.views.size()), left = begin + share - drawn;
+        for (size_t v = 0; v < input.views.size(); ++v)
+            checkView(input, v, drawn + left * double(v) / viewCount, drawn + left * double(v + 1) / viewCount);
+    }
+
+    void checkView(Input& input, size_t v, double begin, double end) {
+        stopIfInterrupted();
+        const Viewpoint& view = input.views[v];
+        const size_t number = input.firstNumber + v;
+        input.scene.camera = view.camera;
+        input.scene.lights = view.lights;
+        progress_.begin(fmt::format("verify {}/{}", number + 1, input.count), begin, end);
+        const VerifyReport report = verifyRender(*renderer_.device(), input.scene, input.request);
+        stopIfInterrupted();
+        progress_.update(1);
+        progress_.clear();
+        renderer_.checkValidation();
+        if (!report.equal) verdict_ = Exit::overGate;
+        if (report.twin.frame.coveredPixels == 0 && report.device.frame.coveredPixels == 0)
+            say(options_, nothingSeen(report.twin.counters));
+        std::vector<std::string> written;
+        if (!report.equal) written = writeEvidence(options_, files_, report, number, input.count, input.request.transparent);
+        const std::string title = fmt::format("{}{}{} {}x{} {}", printable(input.path), view.name.empty() ? "" : " ", view.name,
+                                              input.size.x, input.size.y, nameOf(input.request.shading));
+        tellText(textOf(title, report, written));
+        if (options_.json) reports_.push_back(reportOf(input, view, report, written));
+    }
+
+    // Prints the text when the files that it names are there.
+    void tellText(const std::string& text) {
+        if (!reportOnOutput_) {
+            files_.place();
+            printData(text);
+            files_.keep();
+            return;
+        }
+        texts_.push_back(text.substr(0, text.size() - 1));
+        if (files_.due()) {
+            expectReader();
+            files_.commit();
+        }
+        if (files_.empty()) sayTexts();
+    }
+
+    void sayTexts() {
+        for (const std::string& text : texts_) say(options_, text);
+        texts_.clear();
+    }
+
+    Json reportOf(const Input& input, const Viewpoint& view, const VerifyReport& report, const std::vector<std::string>& written) const {
+        const RenderRequest& request = input.request;
+        Json json;
+        json["tool"] = toolJson();
+        json["host"] = hostJson();
+        json["device"] = renderer_.json();
+        json["scene"] = sceneJson(input.scene, input.sources);
+        json["view"] = view.name;
+        json["size"] = {input.size.x, input.size.y};
+        json["options"] = {{"shading", nameOf(request.shading)},
+                           {"fill", nameOf(request.fill)},
+                           {"samples", request.samples},
+                           {"encoding", nameOf(request.encoding)}};
+        json["verify"] = jsonOf(report, written);
+        json["plan"] = planJson(report.device.plan);
+        json["time_ms"] = {{"twin", report.twin.totalMs},
+                           {"device", report.device.totalMs},
+                           {"total", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count()}};
+        json["counters"] = countersJson(report.device.counters);
+        json["determinism"] = determinismOf(request);
+        json["memory"] = memoryJson(renderer_);
+        return json;
+    }
+
+    const Options& options_;
+    Renderer& renderer_;
+    const std::chrono::steady_clock::time_point start_;
+    Progress progress_;
+    const bool reportOnOutput_ = options_.json && options_.jsonFile.empty();
+    Exit verdict_ = Exit::done;
+    std::vector<Json> reports_;
+    FileBatch files_;                 // evidence
+    std::vector<std::string> texts_;  // said when the files that they name are there
+};
+
 }  // namespace
 
 Exit verifyCommand(const Options& options) {
     const auto start = std::chrono::steady_clock::now();
-    if (!options.output.empty() && !fs::is_directory(options.output)) {
-        if (options.output == "-") throw usageError("--output: '-' is refused; accepted: a folder, or a path that ends in .png");
-        checkWritable(fs::path(options.output).parent_path() / "twin.png", false);
-    }
+    refuseOutput(options);
     Renderer renderer(options);
-    if (renderer.device() == nullptr) {
-        std::string why = renderer.choice().reason;
-        for (const std::string& fallback : renderer.fallbacks()) why += fmt::format("; {}", fallback);
-        if (!renderer.choice().advice.empty()) why += fmt::format("\n{}", renderer.choice().advice);
-        throw deviceError(fmt::format("verify compares a device with the twin, and there is no device: {}", why));
-    }
+    refuseTwinAlone(renderer);
     if (options.verbose != 0) say(options, fmt::format("device: {}", renderer.choice().reason));
-
-    // Scene files stand alone; every input is a scene of its own here, so that a folder of meshes is a list of checks.
-    Progress progress(options.progress, options.quiet);
-    Exit verdict = Exit::done;
-    std::vector<Json> reports;
-    FileBatch files;                 // evidence
-    std::vector<std::string> texts;  // said when the files that they name are there
-    const bool reportOnOutput = options.json && options.jsonFile.empty();
-    if (reportOnOutput) expectReader();
-    const auto sayTexts = [&] {
-        for (const std::string& text : texts) say(options, text);
-        texts.clear();
-    };
-    for (size_t i = 0; i < options.inputs.size(); ++i) {
-        stopIfInterrupted();
-        Options one = options;
-        one.inputs = {options.inputs[i]};
-        // A scene's load is the first part of its share.
-        const double begin = double(i) / double(options.inputs.size()), share = 1 / double(options.inputs.size());
-        const double drawn = begin + share * kLoadShare;
-        const LoadOptions load = loadOptionsOf(options, &progress, begin, drawn);
-        Scene scene = loadScene({one.inputs[0]}, load);
-        const std::vector<SourceFile> sources = options.json ? sourcesOf(one.inputs, load) : std::vector<SourceFile>();
-        const glm::uvec2 size = sizeOf(scene, one);
-        const std::vector<Viewpoint> views = viewsOf(scene, size, one, isBareMesh(one.inputs[0], load));
-        RenderRequest request = requestOf(one, scene, size);
-        request.onProgress = [&progress](double fraction) {
-            progress.update(fraction);
-            return interruptedBy() == 0;
-        };
-        for (size_t v = 0; v < views.size(); ++v) {
-            stopIfInterrupted();
-            scene.camera = views[v].camera;
-            scene.lights = views[v].lights;
-            const size_t item = i * views.size() + v, count = options.inputs.size() * views.size();
-            const double viewCount = double(views.size()), left = begin + share - drawn;
-            progress.begin(fmt::format("verify {}/{}", item + 1, count), drawn + left * double(v) / viewCount,
-                           drawn + left * double(v + 1) / viewCount);
-            const VerifyReport report = verifyRender(*renderer.device(), scene, request);
-            stopIfInterrupted();
-            progress.update(1);
-            progress.clear();
-            renderer.checkValidation();
-            if (!report.equal) verdict = Exit::overGate;
-            if (report.twin.frame.coveredPixels == 0 && report.device.frame.coveredPixels == 0)
-                say(options, nothingSeen(report.twin.counters));
-            const std::vector<std::string> written = report.equal
-                                                         ? std::vector<std::string>()
-                                                         : writeEvidence(options, files, report, i * views.size() + v,
-                                                                         options.inputs.size() * views.size(), request.transparent);
-            const std::string title = fmt::format("{}{}{} {}x{} {}", printable(one.inputs[0]), views[v].name.empty() ? "" : " ",
-                                                  views[v].name, size.x, size.y, nameOf(request.shading));
-            const std::string text = textOf(title, report, written);
-            if (!reportOnOutput) {
-                files.place();
-                printData(text);
-                files.keep();
-            } else {
-                texts.push_back(text.substr(0, text.size() - 1));
-                if (files.due()) {
-                    expectReader();
-                    files.commit();
-                }
-                if (files.empty()) sayTexts();
-            }
-            if (!options.json) continue;
-            Json json;
-            json["tool"] = toolJson();
-            json["host"] = hostJson();
-            json["device"] = renderer.json();
-            json["scene"] = sceneJson(scene, sources);
-            json["view"] = views[v].name;
-            json["size"] = {size.x, size.y};
-            json["options"] = {{"shading", nameOf(request.shading)},
-                               {"fill", nameOf(request.fill)},
-                               {"samples", request.samples},
-                               {"encoding", nameOf(request.encoding)}};
-            json["verify"] = jsonOf(report, written);
-            json["plan"] = planJson(report.device.plan);
-            json["time_ms"] = {{"twin", report.twin.totalMs},
-                               {"device", report.device.totalMs},
-                               {"total", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count()}};
-            json["counters"] = countersJson(report.device.counters);
-            json["determinism"] = determinismOf(request);
-            json["memory"] = memoryJson(renderer);
-            reports.push_back(std::move(json));
-        }
-    }
-    finish(options, files, "", reports);
-    sayTexts();
-    return verdict;
+    return Checks(options, renderer, start).make();
 }
 
 }  // namespace plumb

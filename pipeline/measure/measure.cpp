@@ -2,8 +2,10 @@
 #include "pipeline/measure/measure.h"
 
 #include "host/error.h"
-#include "pipeline/measure/front.h"
 #include "pipeline/measure/rounds.h"
+#include "pipeline/measure/row_fronts.h"
+#include "pipeline/measure/row_list.h"
+#include "pipeline/measure/truths.h"
 #include "pipeline/render/bounds/bound.h"
 #include "pipeline/scene/sha256.h"
 
@@ -24,40 +26,25 @@ namespace plumb {
 
 namespace {
 
-// A wire frame is a drawing, and has no truth.
-constexpr const char* kWireWhy = "a wire frame has no truth: its lines are a drawing, not the picture of a surface";
 // Share of the limit that estimates may fill: rounds differ in length.
 constexpr double kPlannedShare = 0.9;
 // Share of the limit that the truths of the default picture may take; the rest is for rows.
 constexpr double kTruthShare = 0.5;
-// A truth's progress is extrapolated from this share on.
-constexpr double kFirstGuess = 0.1;
-
-// What the notes' fill does not have. Null: nothing is missing.
-const char* notesLack(const Setting& setting) {
-    const RenderRequest& r = setting.request;
-    if (r.fill != Fill::notes || r.shading == Shading::wire) return nullptr;
-    Trade other = r.trade;
-    other.specular = Trade().specular;
-    return other != Trade{} ? "the notes' fill has no such choice" : nullptr;
-}
-
-// What a picture of rays has and a raster picture has not, and the other way round. Null: nothing is missing.
-const char* scopeLacks(const Axis& axis, const Setting& base, const Setting& setting) {
-    const bool traced = base.request.shading == Shading::ray;
-    if (traced && axis.scope == Scope::raster) return "not applicable: a choice of the raster passes, and this picture is traced";
-    if (!traced && axis.scope == Scope::rays) return "not applicable: nothing is traced in a raster picture; measure with --shading ray";
-    if (!traced && setting.request.shading == Shading::ray)
-        return "not applicable: rays see shadows and mirrors, which the truth of a raster picture has not; measure with --shading ray";
-    return nullptr;
-}
 
 class Measuring {
 public:
-    Measuring(const Scene& scene, const MeasurePlan& plan) : scene_(scene), plan_(plan) {}
+    Measuring(const Scene& scene, const MeasurePlan& plan)
+        : scene_(scene),
+          plan_(plan),
+          truths_(
+              scene, plan.base.request, [this] { return elapsedMs(); }, [this] { tell(told_); }) {}
+    Measuring(const Measuring&) = delete;
+    Measuring& operator=(const Measuring&) = delete;
 
     Measurement run() {
-        listRuns();
+        listRuns(out_, plan_);
+        estimates_.assign(out_.runs.size(), 0);
+        passNames_.resize(out_.runs.size());
         takeErrors();
         takeTimes();
         tellApart();
@@ -76,90 +63,6 @@ private:
         if (plan_.onProgress) plan_.onProgress(fraction);
     }
     bool active(size_t i) const { return !out_.runs[i].cut; }
-
-    size_t runOf(const Setting& setting) {
-        const std::string words = wordsOf(setting);
-        for (size_t i = 0; i < out_.runs.size(); ++i)
-            if (wordsOf(out_.runs[i].setting) == words) return i;
-        out_.runs.push_back({});
-        out_.runs.back().setting = setting;
-        return out_.runs.size() - 1;
-    }
-
-    void listRuns() {
-        runOf(plan_.base);
-        std::vector<const Axis*> axes = {&controlAxis()};
-        for (const Axis* axis : plan_.axes)
-            if (axis != &controlAxis()) axes.push_back(axis);
-        for (const Axis* axis : axes)
-            for (const AxisChoice& choice : axis->choices) {
-                Row row;
-                row.axis = axis;
-                row.choice = &choice;
-                if (choice.apply == nullptr) {
-                    const char* outside = scopeLacks(*axis, plan_.base, plan_.base);
-                    row.why = outside != nullptr ? outside : choice.why;
-                } else {
-                    Setting setting = plan_.base;
-                    choice.apply(setting);
-                    if (const char* outside = scopeLacks(*axis, plan_.base, setting); outside != nullptr) {
-                        row.why = outside;
-                    } else if (const char* lacks = notesLack(setting); lacks != nullptr) {
-                        row.why = lacks;
-                    } else if (!setting.twin && !plan_.deviceThere) {
-                        row.why = "no device draws here";
-                    } else {
-                        row.run = runOf(setting);
-                        row.baseline = *row.run == 0;
-                        if (setting.request.shading == Shading::wire) row.why = kWireWhy;
-                    }
-                }
-                out_.rows.push_back(row);
-            }
-        estimates_.assign(out_.runs.size(), 0);
-        passNames_.resize(out_.runs.size());
-    }
-
-    bool traced() const { return plan_.base.request.shading == Shading::ray; }
-
-    // The notes' fill samples whole coordinates, and so does the truth that it is held against. Rays may lie elsewhere in a pixel. Null: it would not
-    // be there at `untilMs`.
-    const Truth* truthAt(uint32_t samples, Fill fill, uint32_t drawn, Sampling sampling, double untilMs) {
-        if (fill != Fill::notes) drawn = samples;
-        const std::tuple key(samples, fill, drawn, sampling);
-        auto found = truths_.find(key);
-        if (found == truths_.end()) {
-            const double begun = elapsedMs();
-            bool late = false;
-            RenderRequest request = plan_.base.request;
-            request.fill = fill;
-            request.shading = traced() ? Shading::ray : Shading::phong;
-            request.rays.sampling = sampling;
-            request.samples = samples;
-            request.onProgress = [&](double done) {
-                tell(told_);
-                const double spent = elapsedMs() - begun, whole = done >= kFirstGuess ? spent / done : spent;
-                late = begun + whole > untilMs;
-                return !late;
-            };
-            std::optional<Truth> truth;
-            try {
-                truth = truthOf(scene_, request, drawn);
-            } catch (const Error& error) {
-                if (!late || error.exit() != Exit::interrupted) throw;
-            }
-            truthMs_ = std::max(truthMs_, (elapsedMs() - begun) / samples);
-            found = truths_.emplace(key, std::move(truth)).first;
-        }
-        return found->second ? &*found->second : nullptr;
-    }
-    // Places of a picture's own samples.
-    static Sampling placesOf(const RenderRequest& request) {
-        return request.shading == Shading::ray ? request.rays.sampling : Sampling::grid;
-    }
-    bool hasTruthOf(const RenderRequest& request) const {
-        return truths_.count({request.samples, request.fill, request.samples, placesOf(request)}) != 0;
-    }
 
     // Rounds below which no interval would be bounded.
     uint32_t leastRounds(size_t runs) const { return std::min(plan_.repetitions, roundsToTell(missOf(runs - 1))); }
@@ -212,7 +115,7 @@ private:
     std::pair<double, double> predictedMs(size_t i) const {
         const RenderRequest& request = out_.runs[i].setting.request;
         double errors = (restMs_.empty() ? 0 : medianOf(restMs_)) + 2 * estimates_[0];
-        if (request.shading != Shading::wire && !hasTruthOf(request)) errors += truthMs_ * request.samples;
+        if (request.shading != Shading::wire && !truths_.has(request)) errors += truths_.msPerSample() * request.samples;
         double round = estimates_[0];
         size_t runs = 1;
         for (size_t k = 0; k < out_.runs.size(); ++k)
@@ -245,7 +148,7 @@ private:
         }
         const uint32_t most = mostSamples(plan_.base);
         const RenderRequest& base = plan_.base.request;
-        if (const Truth* truth = truthAt(most, base.fill, base.samples, Sampling::grid, 0)) out_.truth = *truth;
+        if (const Truth* truth = truths_.at(most, base.fill, base.samples, Sampling::grid, 0)) out_.truth = *truth;
     }
 
     void takeErrorsOf(size_t i) {
@@ -289,8 +192,8 @@ private:
         MeasuredRun& run = out_.runs[i];
         const double begun = elapsedMs(), until = i == 0 ? kTruthShare * endMs() : endMs();
         // The one truth has the most samples that any choice of any axis takes, whatever axes are measured. Its samples lie in a grid.
-        const Truth* own = truthAt(request.samples, request.fill, request.samples, placesOf(request), until);
-        const Truth* most = truthAt(mostSamples(plan_.base), request.fill, request.samples, Sampling::grid, until);
+        const Truth* own = truths_.at(request.samples, request.fill, request.samples, samplingOf(request), until);
+        const Truth* most = truths_.at(mostSamples(plan_.base), request.fill, request.samples, Sampling::grid, until);
         if (i == 0) truthsOfDefaultMs_ = elapsedMs() - begun;
         if (most != nullptr) {
             run.error = errorOf(frame, *most, request.encoding, request.transparent);
@@ -324,9 +227,10 @@ private:
         rest.request.trade = base.trade;
         rest.request.maxDepth = base.maxDepth;
         rest.request.minWeight = base.minWeight;
-        const bool depthOrCutoff = traced() && (request.maxDepth != base.maxDepth || request.minWeight != base.minWeight);
+        const bool traced = base.shading == Shading::ray;
+        const bool depthOrCutoff = traced && (request.maxDepth != base.maxDepth || request.minWeight != base.minWeight);
         if ((request.trade == base.trade && !depthOrCutoff) || wordsOf(rest) != wordsOf(plan_.base)) {
-            run.boundWhy = traced() ? "only depth and cutoff of rays are bounded" : "only a choice of the trade is bounded";
+            run.boundWhy = traced ? "only depth and cutoff of rays are bounded" : "only a choice of the trade is bounded";
             return;
         }
         if (base.trade != Trade{} || base.encoding != Encoding::srgb) {
@@ -451,60 +355,6 @@ private:
         }
     }
 
-    // The front among these runs, of which the first is the default; indices of runs.
-    std::vector<size_t> frontAmong(const std::vector<size_t>& among) const {
-        std::map<std::pair<uint32_t, Sampling>, size_t> places;
-        std::map<std::string, size_t> works;
-        std::vector<FrontPoint> points;
-        std::vector<size_t> runs;
-        for (const size_t i : among) {
-            const MeasuredRun& run = out_.runs[i];
-            const RenderRequest& request = run.setting.request;
-            if (run.cut || !run.alike || !run.ratio) continue;
-            FrontPoint point;
-            point.samples = places.try_emplace({request.samples, placesOf(request)}, places.size()).first->second;
-            if (!run.error && point.samples != 0) continue;  // no truth to compare other samples by
-            point.low = run.ratio->low, point.high = run.ratio->high;
-            point.errorAtItsSamples = run.alike->picture.rms;
-            point.errorAtMostSamples = run.error ? run.error->picture.rms : 0;
-            point.work = works.try_emplace(workOf(i), works.size()).first->second;
-            point.again = run.setting.again;
-            points.push_back(point);
-            runs.push_back(i);
-        }
-        const std::vector<bool> front = frontOf(points);
-        std::vector<size_t> out;
-        for (size_t k = 0; k < runs.size(); ++k)
-            if (front[k]) out.push_back(runs[k]);
-        return out;
-    }
-
-    void takeFronts() {
-        std::vector<size_t> all;
-        std::map<const Axis*, std::vector<size_t>> ofAxis;
-        for (size_t i = 0; i < out_.runs.size(); ++i) all.push_back(i);
-        for (const Row& row : out_.rows) {
-            std::vector<size_t>& runs = ofAxis[row.axis];
-            if (runs.empty()) runs.push_back(0);
-            if (row.run && *row.run != 0) runs.push_back(*row.run);
-        }
-        std::vector<size_t> front = frontAmong(all);
-        std::map<const Axis*, std::vector<size_t>> axisFront;
-        for (const auto& [axis, runs] : ofAxis) axisFront[axis] = frontAmong(runs);
-        const auto holds = [](const std::vector<size_t>& runs, size_t run) {
-            return std::find(runs.begin(), runs.end(), run) != runs.end();
-        };
-        for (Row& row : out_.rows) {
-            row.onFront = row.run && holds(front, *row.run);
-            row.onAxisFront = row.run && holds(axisFront[row.axis], *row.run);
-        }
-        std::stable_sort(front.begin(), front.end(),
-                         [&](size_t a, size_t b) { return *out_.runs[a].total.median() < *out_.runs[b].total.median(); });
-        for (const size_t run : front)
-            out_.front.push_back(size_t(std::find_if(out_.rows.begin(), out_.rows.end(), [&](const Row& row) { return row.run == run; }) -
-                                        out_.rows.begin()));
-    }
-
     void finish() {
         std::vector<Row> kept;
         for (Row& row : out_.rows) {
@@ -522,7 +372,9 @@ private:
             kept.push_back(row);
         }
         out_.rows = std::move(kept);
-        takeFronts();
+        std::vector<std::string> works;
+        for (size_t i = 0; i < out_.runs.size(); ++i) works.push_back(workOf(i));
+        takeFronts(out_, works);
         out_.totalMs = elapsedMs();
         out_.limitKept = out_.totalMs <= plan_.limitMs;
     }
@@ -531,14 +383,12 @@ private:
     const MeasurePlan& plan_;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     Measurement out_;
-    // By its samples, fill, samples drawn, places of rays; none: the limit left no time for it.
-    std::map<std::tuple<uint32_t, Fill, uint32_t, Sampling>, std::optional<Truth>> truths_;
+    Truths truths_;
     Frame baseFrame_;  // the default picture
     std::optional<BoundOfRays> raysBound_;
     std::vector<double> estimates_;       // ms of one draw of each run; 0: not drawn yet
     std::vector<std::string> passNames_;  // of each run, in the order in which they ran
     std::vector<double> restMs_;          // what errors took beside two draws, of each run that has them
-    double truthMs_ = 0;                  // the most that a truth took, a sample a pixel
     double truthsOfDefaultMs_ = 0;
     double told_ = 0;    // progress
     bool late_ = false;  // the limit ended a draw
