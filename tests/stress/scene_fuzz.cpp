@@ -384,8 +384,7 @@ private:
             // The scale is the vertices' or the matrix's; and so is an offset, which the one adds and the other takes away again.
             const double inVertices = dice_.chance(0.5) ? unit_ : 1;
             Point offset{0, 0, 0};
-            if (dice_.chance(0.2))
-                offset = times(dice_.direction(), dice_.magnitude(0, truth_ && !rays_ ? std::log10(kTruthVertexOffset) : 7));
+            if (dice_.chance(0.2)) offset = times(dice_.direction(), dice_.magnitude(0, 7));
             for (Point& p : mesh.vertices) p = times(moved(p, offset, 1), inVertices);
             std::string steps;
             const auto step = [&](const std::string& text) { steps += (steps.empty() ? "" : ", ") + text; };

@@ -40,10 +40,6 @@ inline constexpr uint64_t kTruthEvery = 5, kRayTruthAt = 3;
 // Scenes one after another that share what kernels are made for (shading, samples, trade, numbers of lights and shapes): a kernel costs more to make
 // than hundreds of small pictures cost to draw.
 inline constexpr uint64_t kScenesOfFamily = 25;
-// What `plumb` is known to draw within its bounds when a mesh's own vertices lie this many of its sizes away from its origin; beyond it the truth is not
-// asked. The sides are compared up to 10^7 sizes.
-inline constexpr double kTruthVertexOffset = 1e3;
-
 // Scene of a seed and a number: always the same one, whatever was made before.
 FuzzScene fuzzScene(uint64_t seed, uint64_t number);
 

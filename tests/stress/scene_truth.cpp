@@ -76,6 +76,7 @@ private:
         for (uint32_t o = 0; o < scene_.objects.size(); ++o) {
             const Object& object = scene_.objects[o];
             const TriangleMesh& mesh = scene_.meshes[object.mesh];
+            const glm::dmat4 toWorld = worldFromMesh(scene_, object);
             struct Vertex {
                 dvec2 at;
                 double w, wError, moved, relativeDepth;
@@ -83,10 +84,10 @@ private:
             std::vector<Vertex> vertices;
             for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
                 const truth::Corner c = geometry_.corner(o, v);
-                const dvec3 local(mesh.positions[v]), origin = dvec3(object.worldFromObject[3]) - scene_.camera->eye;
+                const dvec3 local(mesh.positions[v]), origin = dvec3(toWorld[3]) - scene_.camera->eye;
                 const auto sum = [&](const dvec3& axis, double scale) {
                     double s = std::abs(scale * glm::dot(axis, origin));
-                    for (int k = 0; k < 3; ++k) s += std::abs(scale * glm::dot(axis, dvec3(object.worldFromObject[k])) * local[k]);
+                    for (int k = 0; k < 3; ++k) s += std::abs(scale * glm::dot(axis, dvec3(toWorld[k])) * local[k]);
                     return s;
                 };
                 const double w = c.w.value, wSum = sum(pinhole_.forward, 1);
