@@ -52,7 +52,9 @@ bool belongs(const Flag& flag, Command command) { return (flag.commands & comman
 // Accepted values add to the sentence unless they only repeat the argument's name.
 std::string explanation(const Flag& flag) {
     std::string text = flag.help;
-    if (flag.accepted[0] != '\0' && std::string(flag.accepted) != "a path" && flag.longName() != "--output")
+    if (!flag.meanings.empty())
+        text += fmt::format(": {}", flag.meanings);
+    else if (!flag.accepted.empty() && flag.accepted != "a path" && flag.longName() != "--output")
         text += fmt::format("; {}", flag.accepted);
     if (flag.fallback[0] != '\0') text += fmt::format(" [{}]", flag.fallback);
     return text;
@@ -94,8 +96,8 @@ std::string quoted(const std::string& text) {
     return fmt::format("'{}'", out);
 }
 
-std::string joined(const std::vector<const char*>& words) { return fmt::format("{}", fmt::join(words, " ")); }
-bool isFile(const Flag& flag) { return flag.words.size() == 1 && std::string(flag.words[0]) == "FILE"; }
+std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
+bool isFile(const Flag& flag) { return flag.words.size() == 1 && flag.words[0] == "FILE"; }
 
 std::string commandNames() {
     std::string names;

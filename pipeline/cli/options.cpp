@@ -57,6 +57,39 @@ T oneOf(const std::string& text, std::initializer_list<std::pair<const char*, T>
     throw Refused{};
 }
 
+// The value of a word of a table of choices.
+template <class Rows>
+auto valueOf(const Rows& rows, std::string_view word) -> decltype(rows[0].value) {
+    const auto* row = choiceOfWord(rows, word);
+    if (row == nullptr) throw Refused{};
+    return row->value;
+}
+
+// "wire, unlit, object_id (or id)".
+template <class Rows>
+std::string listOf(const Rows& rows) {
+    std::vector<std::string> words;
+    for (const auto& row : rows) words.push_back(row.alias[0] == '\0' ? row.word : fmt::format("{} (or {})", row.word, row.alias));
+    return fmt::format("{}", fmt::join(words, ", "));
+}
+
+// "wire (edges only), unlit (the material's own colour)".
+template <class Rows>
+std::string meaningsOf(const Rows& rows) {
+    std::vector<std::string> words;
+    for (const auto& row : rows) words.push_back(fmt::format("{} ({})", row.word, sentenceOf(row)));
+    return fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::vector<std::string> copied(const std::vector<const char*>& words) { return {words.begin(), words.end()}; }
+
+// A flag whose values are the words of a table of choices.
+template <auto member, const auto& rows>
+Flag choiceFlag(const char* names, const char* argument, const char* help, const char* fallback) {
+    const auto set = [](Options& o, const std::string& word) { o.*member = valueOf(rows, word); };
+    return {names, argument, help, fallback, listOf(rows), copied(wordsIn(rows)), kDraw, set, false, false, meaningsOf(rows)};
+}
+
 glm::dvec3 vector(const std::string& text) {
     const auto parts = split(text, ',');
     if (parts.size() != 3) throw Refused{};
@@ -119,15 +152,7 @@ void addView(Options& o, const std::string& text) {
 
 void addAovs(Options& o, const std::string& text) {
     for (const auto part : split(text, ',')) {
-        const Aov aov = oneOf<Aov>(std::string(part), {{"color", Aov::colour},
-                                                       {"colour", Aov::colour},
-                                                       {"linear", Aov::linear},
-                                                       {"depth", Aov::depth},
-                                                       {"distance", Aov::distance},
-                                                       {"normal", Aov::normal},
-                                                       {"object_id", Aov::objectId},
-                                                       {"id", Aov::objectId},
-                                                       {"primitive_id", Aov::primitiveId}});
+        const Plane aov = valueOf(kAovs, part);
         if (std::find(o.aovs.begin(), o.aovs.end(), aov) == o.aovs.end()) o.aovs.push_back(aov);
     }
 }
@@ -146,20 +171,41 @@ void setMemory(Options& o, const std::string& text) {
 void addTrades(Options& o, const std::string& text) {
     for (const auto part : split(text, ',')) {
         const auto words = split(part, '=');
-        if (words.size() != 2) throw Refused{};
-        oneOf<int>(std::string(words[0]), {{"specular", 0},
-                                           {"light-vector", 0},
-                                           {"interpolation", 0},
-                                           {"depth", 0},
-                                           {"subpixel", 0},
-                                           {"transform", 0},
-                                           {"normals", 0},
-                                           {"rate", 0},
-                                           {"encode", 0}});
-        for (const auto& [axis, choice] : o.trade)
-            if (axis == words[0]) throw Refused{};
-        o.trade.emplace_back(words[0], words[1]);
+        const TradeAxis* axis = words.size() == 2 ? tradeAxis(words[0]) : nullptr;
+        if (axis == nullptr || std::find(o.traded.begin(), o.traded.end(), axis) != o.traded.end()) throw Refused{};
+        const TradeChoice* choice = choiceOfWord(axis->choices, words[1]);
+        if (choice == nullptr)
+            throw usageError(fmt::format("'{}={}' is refused; accepted for {}: {}", axis->name, printable(words[1]), axis->name,
+                                         fmt::join(wordsIn(axis->choices), ", ")));
+        choice->choose(o.trade);
+        o.traded.push_back(axis);
     }
+}
+
+// "specular=schlick or native, light-vector=vertex, face or scene, ...": what is not the default.
+std::string tradeHelp() {
+    std::vector<std::string> less, more;
+    for (const TradeAxis& axis : kTradeAxes) {
+        std::vector<const char*> others = wordsIn(axis.choices.subspan(1));
+        const char* last = others.back();
+        others.pop_back();
+        (axis.givesMore ? more : less)
+            .push_back(fmt::format("{}={}{}{}", axis.name, fmt::join(others, ", "), others.empty() ? "" : " or ", last));
+    }
+    return fmt::format("turn the knobs of accuracy, by commas: {}; or have more of it: {}", fmt::join(less, ", "), fmt::join(more, ", "));
+}
+
+std::string acceptedTrades() {
+    std::vector<std::string> axes;
+    for (const TradeAxis& axis : kTradeAxes) axes.push_back(fmt::format("{}={}", axis.name, fmt::join(wordsIn(axis.choices), "|")));
+    return fmt::format("AXIS=CHOICE by commas: {}", fmt::join(axes, ", "));
+}
+
+std::vector<std::string> tradeWords() {
+    std::vector<std::string> words;
+    for (const TradeAxis& axis : kTradeAxes)
+        for (const TradeChoice& choice : axis.choices.subspan(1)) words.push_back(fmt::format("{}={}", axis.name, choice.word));
+    return words;
 }
 
 void addJitter(Options& o, const std::string& text) {
@@ -194,9 +240,9 @@ void setFailBlank(Options& o, const std::string& text) {
     o.failBlank = percent ? real(digits, 0, 100) / 100 : real(digits, 0, 1);
 }
 
-const std::vector<const char*> kNoWords;
-const std::vector<const char*> kFile = {"FILE"};
-const std::vector<const char*> kDeviceWords = {"auto", "twin", "lavapipe", "gpu", "software"};
+const std::vector<std::string> kNoWords;
+const std::vector<std::string> kFile = {"FILE"};
+const std::vector<std::string> kDeviceWords = {"auto", "twin", "lavapipe", "gpu", "software"};
 
 const std::vector<Flag> kFlags = {
     {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}', '{aov}', '{eye}', '{field}' and '{ink}' are filled in; diff writes the difference as PNG, measure a report as one HTML file", "",
@@ -206,46 +252,30 @@ const std::vector<Flag> kFlags = {
      }},
     {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff | kMeasure, [](Options& o, const std::string&) { o.noClobber = true; }},
     {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480; bench: 1920x1080", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw | kBench, setSize},
-    {"--shading", "MODE", "how faces are shaded; ray traces", "the scene's, else ray where it has spheres or planes or a material that mirrors or refracts, else phong", "wire, unlit, flat, gouraud, phong, ray",
-     {"wire", "unlit", "flat", "gouraud", "phong", "ray"}, kDraw,
-     [](Options& o, const std::string& v) {
-         o.shading = oneOf<Shading>(v, {{"wire", Shading::wire}, {"unlit", Shading::unlit}, {"flat", Shading::flat}, {"gouraud", Shading::gouraud}, {"phong", Shading::phong}, {"ray", Shading::ray}});
-     }},
-    {"--fill", "RULE", "which pixels a face covers: exact (8 sub-pixel bits, watertight) or the polygon fill of the lecture notes", "the scene's, else exact", "exact, notes",
-     {"exact", "notes"}, kDraw, [](Options& o, const std::string& v) { o.fill = oneOf<Fill>(v, {{"exact", Fill::exact}, {"notes", Fill::notes}}); }},
-    {"--wire", "VIEW", "what a wire frame shows: see-through every edge, culled those of polygons that face the viewer, solid what is not hidden", "the scene's, else see-through",
-     "see-through, culled, solid", {"see-through", "culled", "solid"}, kDraw,
-     [](Options& o, const std::string& v) { o.wire = oneOf<WireView>(v, {{"see-through", WireView::seeThrough}, {"culled", WireView::culled}, {"solid", WireView::solid}}); }},
-    {"--edges", "COUNT", "a wire frame draws each edge once, or as often as polygons have it; solid always does the latter", "the scene's, else once", "once, polygons", {"once", "polygons"}, kDraw,
-     [](Options& o, const std::string& v) { o.wirePerPolygon = oneOf<bool>(v, {{"once", false}, {"polygons", true}}); }},
+    choiceFlag<&Options::shading, kShadings>("--shading", "MODE", "how faces are shaded",
+        "the scene's, else ray where it has spheres or planes or a material that mirrors or refracts, else phong"),
+    choiceFlag<&Options::fill, kFills>("--fill", "RULE", "which pixels a face covers", "the scene's, else exact"),
+    choiceFlag<&Options::wire, kWireViews>("--wire", "VIEW", "what a wire frame shows", "the scene's, else see-through"),
+    choiceFlag<&Options::wirePerPolygon, kEdgeCounts>("--edges", "COUNT", "what a wire frame draws (--wire solid: always polygons)", "the scene's, else once"),
     {"--cull", "WHEN", "leave out polygons that face away from the viewer (wire frames: --wire)", "the scene's, else on", "on, off", {"on", "off"}, kDraw,
      [](Options& o, const std::string& v) { o.cull = oneOf<bool>(v, {{"on", true}, {"off", false}}); }},
-    {"--viewer", "PLACE", "where highlights are seen from: local is the eye, distant one direction for every point (raster shadings; --fill notes also culls by it)", "the scene's, else local",
-     "local, distant", {"local", "distant"}, kDraw, [](Options& o, const std::string& v) { o.distantViewer = oneOf<bool>(v, {{"local", false}, {"distant", true}}); }},
+    choiceFlag<&Options::distantViewer, kViewers>("--viewer", "PLACE", "where highlights are seen from (raster shadings; --fill notes also culls by it)", "the scene's, else local"),
     {"--max-depth", "N", "rays one after another, with --shading ray; 1 shows local colours only", "the scene's, else 5", "a whole number, 1 to 64", kNoWords, kDraw,
      [](Options& o, const std::string& v) { o.maxDepth = number<uint32_t>(v, 1, 64); }},
     {"--min-weight", "W", "a ray that adds less than this share to its pixel is not followed, with --shading ray", "the scene's, else 0", "a number, 0 to 1", kNoWords, kDraw,
      [](Options& o, const std::string& v) { o.minWeight = real(v, 0, 1); }},
-    {"--sampling", "WHERE", "where rays pass through a pixel, with --shading ray: a grid of samples, its centre, random places, corners that pixels share, those and 16 where they differ, or as the notes' program",
-     "grid", "grid, centre, random, corners, adaptive, notes", {"grid", "centre", "random", "corners", "adaptive", "notes"}, kDraw,
-     [](Options& o, const std::string& v) {
-         o.sampling = oneOf<Sampling>(v, {{"grid", Sampling::grid}, {"centre", Sampling::centre}, {"random", Sampling::random}, {"corners", Sampling::corners}, {"adaptive", Sampling::adaptive}, {"notes", Sampling::notes}});
-     }},
+    choiceFlag<&Options::sampling, kSamplings>("--sampling", "WHERE", "where rays pass through a pixel, with --shading ray", "grid"),
     {"--jitter", "LIST", "noise on what a hit sends on, by commas, with --shading ray: blurred mirrors, blurred glass, soft shadows", "none", "reflect=X, refract=X, shadow=X by commas, X from 0 to 0.5",
      {"reflect=0.02", "refract=0.02", "shadow=0.02"}, kDraw, addJitter, true},
     {"--seed", "N", "of the noise of --jitter and --sampling random, and of the order of measure's rounds", "0", "a whole number, 0 to 4294967295", kNoWords, kDraw,
      [](Options& o, const std::string& v) { o.seed = number<uint32_t>(v, 0, ~uint32_t(0)); }},
-    {"--levels", "HOW", "exact colours, or whole levels cut after each ray as the notes' C program adds them, with --shading ray and --encode linear", "exact", "exact, cut", {"exact", "cut"}, kDraw,
-     [](Options& o, const std::string& v) { o.cutLevels = oneOf<bool>(v, {{"exact", false}, {"cut", true}}); }},
-    {"--samples", "N", "samples a pixel, in an ordered grid", "1", "1, 4, 16", {"1", "4", "16"}, kDraw,
-     [](Options& o, const std::string& v) { o.samples = oneOf<uint32_t>(v, {{"1", 1}, {"4", 4}, {"16", 16}}); }},
-    {"--encode", "CURVE", "how linear light becomes bytes", "the scene's, else srgb", "srgb, linear", {"srgb", "linear"}, kDraw,
-     [](Options& o, const std::string& v) { o.encoding = oneOf<Encoding>(v, {{"srgb", Encoding::srgb}, {"linear", Encoding::linear}}); }},
+    choiceFlag<&Options::cutLevels, kLevelForms>("--levels", "HOW", "how colours of rays add up, with --shading ray and --encode linear", "exact"),
+    choiceFlag<&Options::samples, kSampleCounts>("--samples", "N", "samples a pixel, in an ordered grid", "1"),
+    choiceFlag<&Options::encoding, kEncodings>("--encode", "CURVE", "how linear light becomes bytes", "the scene's, else srgb"),
     {"--background", "COLOUR", "what shows where nothing is drawn, as bytes of the picture", "the scene's, else #000000", "#rrggbb (hexadecimal) or transparent",
      {"transparent"}, kDraw, setBackground},
-    {"--aov", "LIST", "planes to write, by commas: several into an .exr, one into an .npy (or '{aov}' in -o)", "color",
-     "color, linear, depth, distance, normal, object_id (or id), primitive_id, by commas",
-     {"color", "linear", "depth", "distance", "normal", "object_id", "primitive_id"}, kRender, addAovs, true},
+    {"--aov", "LIST", "planes to write, by commas: several into an .exr, one into an .npy (or '{aov}' in -o)", kAovs[0].word,
+     listOf(kAovs) + ", by commas", copied(wordsIn(kAovs)), kRender, addAovs, true},
     {"--bits", "N", "bits of a PNG channel", "8", "8, 16", {"8", "16"}, kRender, [](Options& o, const std::string& v) { o.bits = oneOf<int>(v, {{"8", 8}, {"16", 16}}); }},
     {"--eye", "X,Y,Z", "where the camera stands, in world space", "the scene's, else framed", "three finite numbers by commas, e.g. 0,1,3.4", kNoWords, kDraw,
      [](Options& o, const std::string& v) { o.eye = vector(v); }},
@@ -339,10 +369,7 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) {
          o.progress = oneOf<ProgressMode>(v, {{"auto", ProgressMode::automatic}, {"bar", ProgressMode::bar}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}});
      }},
-    {"--trade", "LIST", "turn the knobs of accuracy, by commas: specular=schlick or native, light-vector=vertex, face or scene, interpolation=affine, depth=standard-32, 24 or 16, subpixel=4, normals=as-interpolated, rate=1/2, encode=native; or have more of it: transform=fp64 or block-integer", "the most accurate of each",
-     "AXIS=CHOICE by commas: specular=exact|schlick|native, light-vector=pixel|vertex|face|scene, interpolation=perspective|affine, depth=reversed-32|standard-32|24|16, subpixel=8|4, "
-     "transform=fp32|fp64|block-integer, normals=normalised|as-interpolated, rate=1|1/2, encode=threshold|native",
-     {"specular=schlick", "light-vector=vertex", "light-vector=face", "light-vector=scene", "interpolation=affine", "specular=native", "depth=standard-32", "depth=24", "depth=16", "subpixel=4", "transform=block-integer", "transform=fp64", "normals=as-interpolated", "rate=1/2", "encode=native"}, kDraw, addTrades, true},
+    {"--trade", "LIST", tradeHelp(), "the most accurate of each", acceptedTrades(), tradeWords(), kDraw, addTrades, true},
     {"--axis", "LIST", "measure the choices of these axes, by commas", "all", "names of axes, by commas; `plumb measure SCENE` lists them", kNoWords, kMeasure,
      [](Options& o, const std::string& v) {
          for (const auto part : split(v, ',')) {
@@ -582,10 +609,6 @@ const CommandRow& rowOf(Command command) {
     return kCommands[0];
 }
 
-const char* nameOf(Aov aov) {
-    static constexpr const char* kNames[] = {"color", "linear", "depth", "distance", "normal", "object_id", "primitive_id"};
-    return kNames[size_t(aov)];
-}
 const char* nameOf(StereoForm form) {
     static constexpr const char* kNames[] = {"none", "pair", "side-by-side", "anaglyph"};
     return kNames[size_t(form)];

@@ -4,6 +4,9 @@
 // value and is given twice is refused rather than letting the later one win.
 #pragma once
 
+#include "pipeline/choices/choices.h"
+#include "pipeline/choices/planes.h"
+#include "pipeline/choices/trade.h"
 #include "pipeline/scene/scene.h"
 
 #include <array>
@@ -12,7 +15,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace plumb {
@@ -32,9 +34,6 @@ enum Command : uint32_t {
 
 enum class ProgressMode { automatic, bar, plain, json, none };
 enum class StereoForm { none, pair, sideBySide, anaglyph };
-enum class Aov { colour, linear, depth, distance, normal, objectId, primitiveId };
-
-const char* nameOf(Aov);
 
 // As written on the command line: bytes of the picture, before any encoding is undone.
 struct BackgroundFlag {
@@ -69,7 +68,7 @@ struct Options {
     std::optional<uint32_t> seed;
     std::optional<bool> cutLevels;
     std::optional<BackgroundFlag> background;
-    std::vector<Aov> aovs;  // empty: colour
+    std::vector<Plane> aovs;  // empty: colour
     int bits = 8;
 
     std::optional<glm::dvec3> eye, at, up;
@@ -101,7 +100,8 @@ struct Options {
     bool csv = false;
     std::string csvFile;  // empty: stdout
 
-    std::vector<std::pair<std::string, std::string>> trade;  // axis, choice
+    Trade trade;
+    std::vector<const TradeAxis*> traded;  // axes that are stated
     bool withError = false;
     bool explain = false, quiet = false;
     uint32_t verbose = 0;
@@ -122,14 +122,15 @@ struct Options {
 struct Flag {
     const char* names;  // "-o,--output"
     const char* argument;
-    const char* help;                // one sentence without a full stop
+    std::string help;                // one sentence without a full stop
     const char* fallback;            // default as shown; "" when there is none
-    const char* accepted;            // what a refused value is told
-    std::vector<const char*> words;  // values to complete; "FILE" completes file names
+    std::string accepted;            // what a refused value is told
+    std::vector<std::string> words;  // values to complete; "FILE" completes file names
     uint32_t commands;
     void (*set)(Options&, const std::string&);  // throws Refused (options.cpp) on a value that is not accepted
     bool repeatable = false;
     bool hidden = false;
+    std::string meanings = {};  // accepted values with what each does, shown in their place; empty: none
 
     bool isSwitch() const { return argument[0] == '\0'; }
     bool optionalValue() const { return argument[0] == '['; }

@@ -22,7 +22,7 @@ std::string extensionOf(const std::string& path) { return path == "-" ? ".png" :
 
 void checkContents(const OutputFile& file, const Options& options) {
     const std::string extension = extensionOf(file.path);
-    const bool colourOnly = file.aovs.size() == 1 && file.aovs[0] == Aov::colour;
+    const bool colourOnly = file.aovs.size() == 1 && file.aovs[0] == kPlaneColour;
     if (file.inks && extension != ".png")
         throw usageError(fmt::format("--separations: '{}' is refused; inks are grey PNGs", printable(file.path)));
     if (extension == ".png") {
@@ -44,15 +44,15 @@ void checkPlaceholder(const std::string& pattern, const char* name, const char* 
     if (!needed && hasPlaceholder(pattern, name)) throw usageError(fmt::format("--output: '{{{}}}' goes with {}", name, flag));
 }
 
-void checkCombinations(const Options& options, const std::vector<Aov>& aovs) {
+void checkCombinations(const Options& options, const std::vector<Plane>& aovs) {
     const bool stereo = options.stereo != StereoForm::none;
     checkPlaceholder(options.output, "eye", "--stereo pair", options.stereo == StereoForm::pair, "scene_{eye}.png");
     checkPlaceholder(options.output, "field", "--interlace", options.interlace, "scene_{field}.png");
     checkPlaceholder(options.output, "ink", "--separations", !options.separations.empty(), "scene_{ink}.png");
     if (options.eyeSeparation && !stereo) throw usageError("--eye-separation goes with --stereo");
     if (stereo && options.stereo != StereoForm::pair)
-        for (const Aov aov : aovs)
-            if (aov != Aov::colour && aov != Aov::linear)
+        for (const Plane aov : aovs)
+            if (aov != kPlaneColour && aov != kPlaneLinear)
                 throw usageError(fmt::format("--stereo {}: one picture of two eyes has no {} plane; use --stereo pair",
                                              nameOf(options.stereo), nameOf(aov)));
     const bool transparent = options.background && options.background->transparent;
@@ -68,7 +68,7 @@ void checkCombinations(const Options& options, const std::vector<Aov>& aovs) {
 OutputPlan outputPlanOf(const Options& options, const std::vector<Viewpoint>& views, glm::uvec2 size) {
     OutputPlan plan;
     const std::string& pattern = options.output;
-    const std::vector<Aov> aovs = options.aovs.empty() ? std::vector<Aov>{Aov::colour} : options.aovs;
+    const std::vector<Plane> aovs = options.aovs.empty() ? std::vector<Plane>{kPlaneColour} : options.aovs;
     checkCombinations(options, aovs);
     for (const Viewpoint& view : views) Stereo(options, view.camera, size);
     if (options.interlace && size.y < 2) throw usageError("--interlace: a picture of one line has no even lines");
@@ -81,7 +81,7 @@ OutputPlan outputPlanOf(const Options& options, const std::vector<Viewpoint>& vi
     if (plan.sheet && options.stereo == StereoForm::pair)
         throw usageError("--stereo pair with several --view: use '{view}' or '{n}' in -o");
 
-    for (const Aov aov : aovs) plan.planes |= planeOf(aov);
+    for (const Plane aov : aovs) plan.planes |= aov;
     // One file for each of these, of each view and each plane; one "none" where the flag is not given.
     using std::nullopt;
     const std::vector<std::optional<Eye>> eyes = options.stereo == StereoForm::pair ? std::vector<std::optional<Eye>>{Eye::left, Eye::right}
@@ -106,7 +106,7 @@ OutputPlan outputPlanOf(const Options& options, const std::vector<Viewpoint>& vi
                         if (eye) values.eye = nameOf(*eye);
                         if (field) values.field = *field == Field::odd ? "odd" : "even";
                         if (inks) values.ink = namesOf(*inks)[ink];
-                        files.push_back({filledIn(pattern, values), byAov ? std::vector<Aov>{aovs[a]} : aovs, eye, field, inks, ink});
+                        files.push_back({filledIn(pattern, values), byAov ? std::vector<Plane>{aovs[a]} : aovs, eye, field, inks, ink});
                     }
         for (const OutputFile& file : files) {
             checkContents(file, options);

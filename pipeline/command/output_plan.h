@@ -16,7 +16,7 @@ namespace plumb {
 
 struct OutputFile {
     std::string path;
-    std::vector<Aov> aovs;
+    std::vector<Plane> aovs;
     std::optional<Eye> eye;      // of a stereo pair
     std::optional<Field> field;  // of an interlaced picture
     std::optional<Inks> inks;    // a separation, of this ink

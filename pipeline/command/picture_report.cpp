@@ -2,7 +2,6 @@
 #include "pipeline/command/picture_report.h"
 
 #include "pipeline/command/request.h"
-#include "pipeline/measure/axes.h"
 #include "pipeline/scene/text.h"
 
 #include <fmt/format.h>
@@ -23,7 +22,7 @@ std::string raysInWords(const RayChoices& rays) {
          {std::pair("reflect", rays.jitterReflect), std::pair("refract", rays.jitterRefract), std::pair("shadow", rays.jitterShadow)})
         if (amount > 0) add(fmt::format("jitter.{}={:g}", name, amount));
     if (rays.seed != 0) add(fmt::format("seed={}", rays.seed));
-    if (rays.cutLevels) add("levels=cut");
+    if (rays.cutLevels) add(fmt::format("levels={}", wordOf(kLevelForms, true)));
     return words;
 }
 
@@ -48,9 +47,9 @@ Metadata metadataOf(const std::vector<SourceFile>& sources, const RenderRequest&
     metadata["samples"] = std::to_string(request.samples);
     metadata["encoding"] = nameOf(request.encoding);
     // Nothing for the default, whose files stay as they are.
-    if (request.wire != WireView::seeThrough) metadata["wire"] = request.wire == WireView::solid ? "solid" : "culled";
+    if (request.wire != WireView::seeThrough) metadata["wire"] = nameOf(request.wire);
     if (request.distantViewer) metadata["viewer"] = "distant";
-    if (request.trade != Trade{}) metadata["trade"] = wordsOf({request, true});
+    if (request.trade != Trade{}) metadata["trade"] = wordsOf(request.trade);
     if (const std::string rays = raysInWords(request.rays); !rays.empty()) metadata["rays"] = rays;
     metadata["camera"] = cameraJson(view.camera).dump();
     if (stereo.form != StereoForm::none) metadata["stereo"] = stereo.json().dump();

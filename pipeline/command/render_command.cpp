@@ -48,7 +48,7 @@ void writePicture(FileBatch& batch, const std::vector<OutputFile>& files, const 
         write.linear = request.encoding == Encoding::linear;
         write.grey = file.inks.has_value();
         uint32_t planes = 0;
-        for (const Aov aov : file.aovs) planes |= planeOf(aov);
+        for (const Plane aov : file.aovs) planes |= aov;
         Metadata own = metadata;
         if (file.eye) own["eye"] = nameOf(*file.eye);
         if (file.field)

@@ -2,7 +2,6 @@
 #include "pipeline/command/request.h"
 
 #include "pipeline/command/interrupt.h"
-#include "pipeline/measure/axes.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -34,7 +33,7 @@ void chooseShading(const Options& options, const Scene& scene, RenderRequest& re
     request.shading = options.shading.value_or(scene.shading.value_or(Shading::phong));
     if (options.shading || scene.shading) return;
     const std::string asked = raysAskedBy(scene);
-    if (asked.empty() || request.fill == Fill::notes || (!onlyRaysDraw(scene) && !options.trade.empty())) return;
+    if (asked.empty() || request.fill == Fill::notes || (!onlyRaysDraw(scene) && !options.traded.empty())) return;
     request.shading = Shading::ray;
     request.shadingReason = fmt::format("shading ray: {}; --shading overrides", asked);
 }
@@ -123,9 +122,7 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
         for (int c = 0; c < 3; ++c)
             request.background[c] = request.transparent ? 0 : linearFromByte(options.background->rgb[size_t(c)], request.encoding);
     }
-    Setting setting{request, false};
-    for (const auto& [axis, choice] : options.trade) apply(setting, axis, choice);
-    request.trade = setting.request.trade;
+    request.trade = options.trade;
     request.threads = options.threads;
     request.chunkTriangles = options.limitChunk;
     request.bandRows = options.limitBand;
@@ -133,7 +130,7 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     return request;
 }
 
-const char* determinismOf(const RenderRequest& request) { return request.trade.native() ? "bounded" : "bits"; }
+const char* determinismOf(const RenderRequest& request) { return nameOf(verdictOf(request.trade)); }
 
 uint32_t backgroundPixel(const RenderRequest& request) {
     uint32_t pixel = request.transparent ? 0 : 0xff000000u;

@@ -125,25 +125,4 @@ std::string filledIn(const std::string& pattern, const PlaceholderValues& values
     return out;
 }
 
-uint32_t planeOf(Aov aov) {
-    switch (aov) {
-        case Aov::colour:
-            return kPlaneColour;
-        case Aov::linear:
-            return kPlaneLinear;
-        case Aov::depth:
-            return kPlaneDepth;
-        case Aov::distance:
-            return kPlaneDistance;
-        case Aov::normal:
-            return kPlaneNormal;
-        case Aov::objectId:
-            return kPlaneObject;
-        case Aov::primitiveId:
-            return kPlanePrimitive;
-    }
-    PLUMB_ASSERT(!"every AOV has a plane");
-    return 0;
-}
-
 }  // namespace plumb

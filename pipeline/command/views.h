@@ -33,6 +33,4 @@ struct PlaceholderValues {
 std::string filledIn(const std::string& pattern, const PlaceholderValues&);
 bool hasPlaceholder(const std::string& pattern, const char* name);
 
-uint32_t planeOf(Aov);
-
 }  // namespace plumb

@@ -29,27 +29,16 @@ void SceneFile::readSettings(const toml::table& root) {
     if (const auto* node = root.get("up")) scene_.up = unitVector(axisOf(*node, "up"));
     if (const auto* node = root.get("ambient")) scene_.ambient = colourOf(*node, "ambient", kMaxCoordinate);
     if (const auto* node = root.get("background")) scene_.background = colourOf(*node, "background", 1);
-    if (const auto* node = root.get("encoding"))
-        scene_.encoding = choiceOf<Encoding>(*node, "encoding", {{"srgb", Encoding::srgb}, {"linear", Encoding::linear}});
-    if (const auto* node = root.get("shading"))
-        scene_.shading = choiceOf<Shading>(*node, "shading",
-                                           {{"wire", Shading::wire},
-                                            {"unlit", Shading::unlit},
-                                            {"flat", Shading::flat},
-                                            {"gouraud", Shading::gouraud},
-                                            {"phong", Shading::phong},
-                                            {"ray", Shading::ray}});
+    if (const auto* node = root.get("encoding")) scene_.encoding = chosenOf(*node, "encoding", kEncodings);
+    if (const auto* node = root.get("shading")) scene_.shading = chosenOf(*node, "shading", kShadings);
     if (const auto* node = root.get("max_depth")) scene_.maxDepth = uint32_t(integerOf(*node, "max_depth", 1, kMaxRayDepth));
     if (const auto* node = root.get("min_weight")) scene_.minWeight = numberOf(*node, "min_weight", 0, 1);
     readRays(root);
     if (const auto* node = root.get("shadows")) scene_.shadows = booleanOf(*node, "shadows");
-    if (const auto* node = root.get("fill")) scene_.fill = choiceOf<Fill>(*node, "fill", {{"exact", Fill::exact}, {"notes", Fill::notes}});
-    if (const auto* node = root.get("wire"))
-        scene_.wire = choiceOf<WireView>(*node, "wire",
-                                         {{"see-through", WireView::seeThrough}, {"culled", WireView::culled}, {"solid", WireView::solid}});
-    if (const auto* node = root.get("edges")) scene_.wirePerPolygon = choiceOf<bool>(*node, "edges", {{"once", false}, {"polygons", true}});
-    if (const auto* node = root.get("viewer"))
-        scene_.distantViewer = choiceOf<bool>(*node, "viewer", {{"local", false}, {"distant", true}});
+    if (const auto* node = root.get("fill")) scene_.fill = chosenOf(*node, "fill", kFills);
+    if (const auto* node = root.get("wire")) scene_.wire = chosenOf(*node, "wire", kWireViews);
+    if (const auto* node = root.get("edges")) scene_.wirePerPolygon = chosenOf(*node, "edges", kEdgeCounts);
+    if (const auto* node = root.get("viewer")) scene_.distantViewer = chosenOf(*node, "viewer", kViewers);
     if (const auto* node = root.get("z_buffer")) scene_.zBuffer = booleanOf(*node, "z_buffer"), scene_.zBufferPlace = place(*node);
     if (const auto* node = root.get("sphere_heights"))
         scene_.wholeSphereHeights = choiceOf<bool>(*node, "sphere_heights", {{"exact", false}, {"whole", true}});
@@ -64,14 +53,7 @@ void SceneFile::readSettings(const toml::table& root) {
 
 // Reads where rays pass through a pixel, their noise, and whole levels.
 void SceneFile::readRays(const toml::table& root) {
-    if (const auto* node = root.get("sampling"))
-        scene_.sampling = choiceOf<Sampling>(*node, "sampling",
-                                             {{"grid", Sampling::grid},
-                                              {"centre", Sampling::centre},
-                                              {"random", Sampling::random},
-                                              {"corners", Sampling::corners},
-                                              {"adaptive", Sampling::adaptive},
-                                              {"notes", Sampling::notes}});
+    if (const auto* node = root.get("sampling")) scene_.sampling = chosenOf(*node, "sampling", kSamplings);
     if (const auto* node = root.get("jitter")) {
         const toml::table& jitter = tableOf(*node, "jitter");
         allowKeys(jitter, "jitter", {"reflect", "refract", "shadow"});
@@ -82,7 +64,7 @@ void SceneFile::readRays(const toml::table& root) {
     }
     if (const auto* node = root.get("seed")) scene_.seed = uint32_t(integerOf(*node, "seed", 0, 0xffffffff));
     if (const auto* node = root.get("levels")) {
-        scene_.cutLevels = choiceOf<bool>(*node, "levels", {{"exact", false}, {"cut", true}});
+        scene_.cutLevels = chosenOf(*node, "levels", kLevelForms);
         if (*scene_.cutLevels && scene_.encoding != Encoding::linear)
             refuse(*node, "levels = \"cut\" counts bytes as light: it goes with encoding = \"linear\"");
     }

@@ -3,6 +3,7 @@
 // the path to it, as in "object.transform[2].scale is 0". Internal to the reader of scene.toml.
 #pragma once
 
+#include "pipeline/choices/choice.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/text.h"
 
@@ -74,6 +75,9 @@ protected:
     glm::vec3 inkOf(const toml::table& table, const std::string& field) const;
     template <class T>
     T choiceOf(const toml::node& node, const std::string& field, std::initializer_list<std::pair<std::string_view, T>> choices) const;
+    // The value of a word of a table of choices (pipeline/choices).
+    template <class Rows>
+    auto chosenOf(const toml::node& node, const std::string& field, const Rows& rows) const -> decltype(rows[0].value);
     template <class Read>
     void eachTable(const toml::table& parent, std::string_view key, const std::string& field, Read read) const;
 
@@ -90,6 +94,13 @@ T TomlValues::choiceOf(const toml::node& node, const std::string& field,
         known.push_back(name);
     }
     refuse(node, fmt::format("{} is '{}'{}", field, printable(word, 40), suggestion(word, known)));
+}
+
+template <class Rows>
+auto TomlValues::chosenOf(const toml::node& node, const std::string& field, const Rows& rows) const -> decltype(rows[0].value) {
+    const std::string word = stringOf(node, field);
+    if (const auto* row = choiceOfWord(rows, word)) return row->value;
+    refuse(node, fmt::format("{} is '{}'{}", field, printable(word, 40), suggestion(word, wordsIn(rows))));
 }
 
 template <class Read>

@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -15,7 +16,6 @@
 #include <regex>
 #include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace plumb {
@@ -45,7 +45,7 @@ TEST(Options, TakeEveryValueOfTheTable) {
     EXPECT_EQ(o.samples, 16u);
     EXPECT_EQ(*o.encoding, Encoding::linear);
     EXPECT_EQ(o.background->rgb, (std::array<uint8_t, 3>{0x12, 0xab, 0}));
-    EXPECT_EQ(o.aovs, (std::vector<Aov>{Aov::depth, Aov::objectId, Aov::colour}));
+    EXPECT_EQ(o.aovs, (std::vector<Plane>{kPlaneDepth, kPlaneObject, kPlaneColour}));
     EXPECT_EQ(o.bits, 16);
     EXPECT_EQ(*o.eye, glm::dvec3(-1, 2.5, 300));
     EXPECT_EQ(*o.up, glm::dvec3(0, 0, -1));
@@ -55,7 +55,8 @@ TEST(Options, TakeEveryValueOfTheTable) {
     EXPECT_EQ(o.requireDevice, "software");
     EXPECT_EQ(o.threads, 3u);
     EXPECT_TRUE(o.noClobber && o.json && o.withError && o.explain && o.strict && o.allowOutside);
-    EXPECT_EQ(o.trade, (std::vector<std::pair<std::string, std::string>>{{"specular", "schlick"}, {"depth", "16"}, {"subpixel", "4"}}));
+    EXPECT_EQ(o.trade, (Trade{.specular = Trade::Specular::schlick, .depthBits = 16, .subpixelBits = 4}));
+    EXPECT_EQ(o.traded, (std::vector<const TradeAxis*>{tradeAxis("specular"), tradeAxis("depth"), tradeAxis("subpixel")}));
     EXPECT_EQ(*o.failBlank, 0.02);
     EXPECT_EQ(o.jsonFile, "r.json");
     EXPECT_EQ(o.progress, ProgressMode::json);
@@ -182,6 +183,12 @@ TEST(Options, AreRefusedWithAReason) {
         {"render a.obj --watchdog 0", "--watchdog"},
         {"render a.obj --crease 200", "--crease"},
         {"render a.obj --fail-blank=101%", "--fail-blank"},
+        {"render a.obj --trade shading=flat",
+         "--trade: 'shading=flat' is refused; accepted: AXIS=CHOICE by commas: specular=exact|schlick|native"},
+        {"render a.obj --trade depth", "--trade"},
+        {"render a.obj --trade depth=15", "'depth=15' is refused; accepted for depth: reversed-32, standard-32, 24, 16"},
+        {"render a.obj --trade depth=16,depth=24", "--trade"},
+        {"render a.obj --trade depth=16 --trade depth=16", "--trade"},
         {"render a.obj --progress loud", "auto, bar, plain, json, none"},
         {"render a.obj --strict=yes", "--strict takes no value"},
         {"render a.obj -q -v", "exclude each other"},
@@ -204,9 +211,62 @@ TEST(Options, AreRefusedWithAReason) {
     }
 }
 
+// The value that a command line gives is that of the word, and help and completions know the word.
+template <class Rows, class ValueOf>
+void expectEveryWord(const char* flag, const Rows& rows, const ValueOf& valueOf) {
+    const std::string help = helpText(kRender);
+    for (const auto& row : rows) {
+        SCOPED_TRACE(fmt::format("{} {}", flag, row.word));
+        EXPECT_EQ(valueOf(parse(fmt::format("render a.toml -o a.exr {} {}", flag, row.word))), row.value);
+        EXPECT_NE(help.find(row.word, help.find(fmt::format(" {} ", flag))), std::string::npos);
+        for (const Flag& known : flags()) {
+            if (known.longName() != flag) continue;
+            EXPECT_EQ(std::count(known.words.begin(), known.words.end(), row.word), 1);
+            EXPECT_NE(known.accepted.find(row.word), std::string::npos);
+        }
+    }
+}
+
+TEST(Options, TakeEveryWordOfEveryChoice) {
+    expectEveryWord("--shading", kShadings, [](const Options& o) { return *o.shading; });
+    expectEveryWord("--wire", kWireViews, [](const Options& o) { return *o.wire; });
+    expectEveryWord("--edges", kEdgeCounts, [](const Options& o) { return *o.wirePerPolygon; });
+    expectEveryWord("--fill", kFills, [](const Options& o) { return *o.fill; });
+    expectEveryWord("--viewer", kViewers, [](const Options& o) { return *o.distantViewer; });
+    expectEveryWord("--encode", kEncodings, [](const Options& o) { return *o.encoding; });
+    expectEveryWord("--samples", kSampleCounts, [](const Options& o) { return o.samples; });
+    expectEveryWord("--sampling", kSamplings, [](const Options& o) { return *o.sampling; });
+    expectEveryWord("--levels", kLevelForms, [](const Options& o) { return *o.cutLevels; });
+    expectEveryWord("--aov", kAovs, [](const Options& o) { return o.aovs.at(0); });
+}
+
+TEST(Options, TakeEveryWordOfEveryTrade) {
+    const std::string help = helpText(kRender);
+    const auto flag = std::find_if(flags().begin(), flags().end(), [](const Flag& f) { return f.longName() == "--trade"; });
+    for (const TradeAxis& axis : kTradeAxes)
+        for (const TradeChoice& choice : axis.choices) {
+            const std::string word = fmt::format("{}={}", axis.name, choice.word);
+            const Options o = parse("render a.obj --trade " + word);
+            EXPECT_EQ(&axis.chosen(o.trade), &choice) << word;
+            EXPECT_EQ(o.traded, std::vector<const TradeAxis*>{&axis}) << word;
+            Trade wanted;
+            choice.choose(wanted);
+            EXPECT_EQ(o.trade, wanted) << word << " moves nothing else";
+            EXPECT_NE(help.find(choice.word, help.find(axis.name)), std::string::npos) << word;
+            EXPECT_EQ(std::count(flag->words.begin(), flag->words.end(), word), &choice != &axis.choices[0])
+                << word << ": the default is not completed";
+        }
+}
+
 TEST(Options, PrintNoControlCharacters) {
     try {
         parseOptions({"render", "a.obj", "--shading", "\x1b[31m"});
+        FAIL();
+    } catch (const Error& e) {
+        EXPECT_EQ(std::string(e.what()).find('\x1b'), std::string::npos) << e.what();
+    }
+    try {
+        parseOptions({"render", "a.obj", "--trade", "depth=\x1b[31m"});
         FAIL();
     } catch (const Error& e) {
         EXPECT_EQ(std::string(e.what()).find('\x1b'), std::string::npos) << e.what();

@@ -141,6 +141,22 @@ TEST(SceneToml, ChoicesOfDrawingAreRead) {
     EXPECT_FALSE(plain.wire || plain.wirePerPolygon || plain.distantViewer);
 }
 
+template <class Rows, class ValueOf>
+void expectEveryWord(const std::string& key, const Rows& rows, const ValueOf& valueOf) {
+    for (const auto& row : rows) EXPECT_EQ(valueOf(load(key + " = '" + row.word + "'\n" + kTriangle)), row.value) << key << ' ' << row.word;
+}
+
+TEST(SceneToml, EveryWordOfEveryChoiceIsRead) {
+    expectEveryWord("shading", kShadings, [](const Scene& s) { return *s.shading; });
+    expectEveryWord("fill", kFills, [](const Scene& s) { return *s.fill; });
+    expectEveryWord("wire", kWireViews, [](const Scene& s) { return *s.wire; });
+    expectEveryWord("edges", kEdgeCounts, [](const Scene& s) { return *s.wirePerPolygon; });
+    expectEveryWord("viewer", kViewers, [](const Scene& s) { return *s.distantViewer; });
+    expectEveryWord("encoding", kEncodings, [](const Scene& s) { return *s.encoding; });
+    expectEveryWord("sampling", kSamplings, [](const Scene& s) { return *s.sampling; });
+    expectEveryWord("encoding = 'linear'\nlevels", kLevelForms, [](const Scene& s) { return *s.cutLevels; });
+}
+
 TEST(SceneToml, TheNotesViewerStandsAtMinusD) {
     const Camera camera = load("handedness = 'left'\n[camera]\ndistance = 500\nnear = 2\n" + kTriangle).camera.value();
     EXPECT_EQ(camera.eye, dvec3(0, 0, -500));

@@ -23,7 +23,7 @@ void refuseRaster(const Scene& scene, const RenderRequest& request) {
     refuseShapes(scene);
     const Trade& trade = request.trade;
     if (request.shading != Shading::phong || !hasOwnVectors(trade)) return;
-    const char* which = trade.vectors == Vectors::face ? "face" : "vertex";
+    const char* which = tradeAxis("light-vector")->chosen(trade).word;
     if (trade.coarse) throw usageError(fmt::format("light-vector={} shades every pixel: leave rate=1/2 out", which));
     if (trade.native())
         throw usageError(

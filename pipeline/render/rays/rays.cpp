@@ -34,7 +34,7 @@ void refuseRays(const Scene& scene, const RenderRequest& request) {
     const RayChoices& rays = request.rays;
     const bool adaptive = rays.sampling == Sampling::adaptive, corners = rays.sampling == Sampling::corners;
     if (sharesCorners(request) && request.samples != 1)
-        throw usageError(fmt::format("--sampling {} has its own number of samples; leave --samples out", corners ? "corners" : "adaptive"));
+        throw usageError(fmt::format("--sampling {} has its own number of samples; leave --samples out", nameOf(rays.sampling)));
     if (adaptive && std::max(request.width, request.height) > 16384)
         throw usageError("--sampling adaptive: a picture of at most 16384 pixels a side, four samples each");
     if (corners && std::max(request.width, request.height) > 65535)
@@ -45,23 +45,11 @@ void refuseRays(const Scene& scene, const RenderRequest& request) {
         throw usageError("--levels cut counts bytes as light: it goes with --encode linear");
 }
 
-// How --sampling names them.
-const char* wordsOf(Sampling sampling) {
-    switch (sampling) {
-        case Sampling::grid:
-            return "grid";
-        case Sampling::centre:
-            return "centre: every ray through the middle of its pixel";
-        case Sampling::random:
-            return "random: a ray anywhere in each sample's square";
-        case Sampling::corners:
-            return "corners: a ray through each corner, shared by up to four pixels";
-        case Sampling::adaptive:
-            return "adaptive: corners, and the 16 samples of a grid where they differ";
-        case Sampling::notes:
-            return "notes: through the lower right corner of each sample";
-    }
-    return "";
+// "word: what it does"; the default, which needs no explanation, is its word alone.
+template <class Rows, class Value>
+std::string meaningOf(const Rows& rows, const Value& value) {
+    const auto& row = choiceOfValue(rows, value);
+    return &row == &rows[0] ? row.word : fmt::format("{}: {}", row.word, row.help);
 }
 
 void planChoices(const RenderRequest& request, Plan& plan) {
@@ -69,14 +57,13 @@ void planChoices(const RenderRequest& request, Plan& plan) {
     const auto by = [](const std::string& who) { return who.empty() ? "" : fmt::format(" (stated by {})", who); };
     const RenderRequest::StatedBy& stated = request.statedBy;
     if (rays.sampling != RayChoices::Sampling::grid || !stated.sampling.empty())
-        plan.choices.push_back(fmt::format("sampling {}{}", wordsOf(rays.sampling), by(stated.sampling)));
+        plan.choices.push_back(fmt::format("sampling {}{}", meaningOf(kSamplings, rays.sampling), by(stated.sampling)));
     for (const auto& [name, amount] : {std::pair("reflected rays", rays.jitterReflect), std::pair("refracted rays", rays.jitterRefract),
                                        std::pair("shadow feelers", rays.jitterShadow)})
         if (amount > 0) plan.choices.push_back(fmt::format("noise of {:g} on {}, seed {}{}", amount, name, rays.seed, by(stated.jitter)));
     if (!stated.seed.empty()) plan.choices.push_back(fmt::format("seed {}{}", rays.seed, by(stated.seed)));
     if (rays.cutLevels || !stated.levels.empty())
-        plan.choices.push_back(
-            fmt::format("levels {}{}", rays.cutLevels ? "cut: colours are whole levels, cut after each ray" : "exact", by(stated.levels)));
+        plan.choices.push_back(fmt::format("levels {}{}", meaningOf(kLevelForms, rays.cutLevels), by(stated.levels)));
 }
 
 Prepared prepareRays(const Scene& scene, const RenderRequest& request, RunsOn side) {
