@@ -2,6 +2,8 @@
 #include "pipeline/measure/axes.h"
 
 #include "host/error.h"
+#include "pipeline/choices/choices.h"
+#include "pipeline/choices/trade.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -13,18 +15,34 @@ namespace plumb {
 
 namespace {
 
-template <Shading value>
-void shade(Setting& s) {
-    s.request.shading = value;
+// The choices of an axis from their rows; set(request, value) takes one.
+template <class Rows, class Set>
+std::vector<AxisChoice> choicesOf(const Rows& rows, Set set) {
+    std::vector<AxisChoice> choices;
+    for (const auto& row : rows)
+        choices.push_back({row.word, row.verdict, [set, value = row.value](Setting& s) { set(s.request, value); }, sentenceOf(row)});
+    return choices;
 }
-template <Encoding value>
-void encode(Setting& s) {
-    s.request.encoding = value;
+
+// An axis of --trade.
+Axis traded(const char* name) {
+    const TradeAxis* axis = tradeAxis(name);
+    PLUMB_ASSERT(axis != nullptr);
+    std::vector<AxisChoice> choices;
+    for (const TradeChoice& row : axis->choices)
+        choices.push_back({row.word, row.verdict, [&row](Setting& s) { row.choose(s.request.trade); }, sentenceOf(row)});
+    return {axis->name, axis->what, choices};
 }
-template <uint32_t value>
-void sample(Setting& s) {
-    s.request.samples = value;
+
+// Where rays pass through a pixel, without what trades nothing: centre draws what one sample draws, and notes what another program draws.
+std::vector<AxisChoice> samplings() {
+    std::vector<AxisChoice> choices;
+    for (const Choice<Sampling>& row : kSamplings)
+        if (row.value != Sampling::centre && row.value != Sampling::notes)
+            choices.push_back({row.word, row.verdict, [&row](Setting& s) { s.request.rays.sampling = row.value; }, sentenceOf(row)});
+    return choices;
 }
+
 template <uint32_t value>
 void useThreads(Setting& s) {
     s.twin = true;
@@ -32,11 +50,6 @@ void useThreads(Setting& s) {
 }
 void useDevice(Setting& s) { s.twin = false; }
 void useTwin(Setting& s) { s.twin = true; }
-
-template <Fill value>
-void fillBy(Setting& s) {
-    s.request.fill = value;
-}
 
 template <uint32_t value>
 void followTo(Setting& s) {
@@ -47,18 +60,7 @@ template <uint32_t divisor>
 void cutBelow(Setting& s) {
     s.request.minWeight = divisor == 0 ? 0.0f : 1.0f / float(divisor);
 }
-template <RayChoices::Sampling value>
-void sampleRays(Setting& s) {
-    s.request.rays.sampling = value;
-}
 
-using Specular = Trade::Specular;
-using Vectors = Trade::Vectors;
-// trade<&Trade::member, value>
-template <auto member, auto value>
-void trade(Setting& s) {
-    s.request.trade.*member = value;
-}
 // What is stated stays.
 void keep(Setting&) {}
 
@@ -74,77 +76,20 @@ const std::vector<Axis> kAxes = {
      "how far apart two measurements of one work come out",
      {{"default again", Verdict::bits, drawAgain, "the default picture once more: nothing but noise"}},
      Scope::both},
-    {"shading",
-     "how a surface is lit",
-     {{"wire", Verdict::bits, shade<Shading::wire>, "edges only"},
-      {"unlit", Verdict::bits, shade<Shading::unlit>, "the material's own colour"},
-      {"flat", Verdict::bits, shade<Shading::flat>, "one illumination a face"},
-      {"gouraud", Verdict::bits, shade<Shading::gouraud>, "one illumination a vertex, interpolated"},
-      {"phong", Verdict::bits, shade<Shading::phong>, "one illumination a pixel"},
-      {"ray", Verdict::bits, shade<Shading::ray>, "rays from the eye: shadows, mirrors and glass"}},
+    {"shading", "how a surface is lit", choicesOf(kShadings, [](RenderRequest& r, Shading value) { r.shading = value; }), Scope::both},
+    traded("transform"),
+    traded("subpixel"),
+    {"fill", "which pixels a triangle covers", choicesOf(kFills, [](RenderRequest& r, Fill value) { r.fill = value; })},
+    traded("interpolation"),
+    traded("depth"),
+    traded("normals"),
+    traded("light-vector"),
+    traded("specular"),
+    traded("rate"),
+    traded("encode"),
+    {"encoding", "the curve of the bytes", choicesOf(kEncodings, [](RenderRequest& r, Encoding value) { r.encoding = value; }),
      Scope::both},
-    {"transform",
-     "numbers in which vertices are projected",
-     {{"fp32", Verdict::bits, trade<&Trade::numbers, Numbers::fp32>, "float32, from a composite matrix made in binary64"},
-      {"fp64", Verdict::bits, trade<&Trade::numbers, Numbers::fp64>,
-       "binary64, rounded to float32 at its end; only where the device has it"},
-      {"block-integer", Verdict::bits, trade<&Trade::numbers, Numbers::blockInteger>,
-       "integers with one exponent an object and a row, rounded to float32 at their end"}}},
-    {"subpixel",
-     "bits of a vertex below the pixel",
-     {{"8", Verdict::bits, trade<&Trade::subpixelBits, 8>, "vertices snapped to 1/256 px: off by 1/512 px at most"},
-      {"4", Verdict::bits, trade<&Trade::subpixelBits, 4>, "vertices snapped to 1/16 px: off by 1/32 px at most"}}},
-    {"fill",
-     "which pixels a triangle covers",
-     {{"exact", Verdict::bits, fillBy<Fill::exact>, "exact edge values, top-left rule"},
-      {"notes", Verdict::bits, fillBy<Fill::notes>, "the lecture notes' fill, against the truth at whole coordinates, which it samples"}}},
-    {"interpolation",
-     "how attributes run across a triangle",
-     {{"perspective", Verdict::bits, trade<&Trade::affine, false>, "weighted by 1/w"},
-      {"affine", Verdict::bits, trade<&Trade::affine, true>, "linear on the screen"}}},
-    {"depth",
-     "what the Z-buffer holds",
-     {{"reversed-32", Verdict::bits, trade<&Trade::depthBits, 32>, "n/w as float32"},
-      {"standard-32", Verdict::bits, trade<&Trade::depthBits, Trade::kStandardDepth>,
-       "1 - n/w as float32, the usual way round: off by less than 2^-24"},
-      {"24", Verdict::bits, trade<&Trade::depthBits, 24>, "n/w in fixed point: off by less than 2^-24"},
-      {"16", Verdict::bits, trade<&Trade::depthBits, 16>, "n/w in fixed point: off by less than 2^-16"}}},
-    {"normals",
-     "length of interpolated normals",
-     {{"normalised", Verdict::bits, trade<&Trade::unitNormals, true>, "made unit at every pixel"},
-      {"as-interpolated", Verdict::bits, trade<&Trade::unitNormals, false>, "unit at vertices, shorter between them"}}},
-    {"light-vector",
-     "where the directions to lights and eye are computed",
-     {{"pixel", Verdict::bits, trade<&Trade::vectors, Vectors::pixel>, "at every pixel"},
-      {"vertex", Verdict::bits, trade<&Trade::vectors, Vectors::vertex>,
-       "at the corners of what is drawn, interpolated, not made unit again"},
-      {"face", Verdict::bits, trade<&Trade::vectors, Vectors::face>, "once a face, at its centre"},
-      {"scene", Verdict::bits, trade<&Trade::vectors, Vectors::scene>, "one to the eye, and to each light from the framed centre"}}},
-    {"specular",
-     "the power of the highlight",
-     {{"exact", Verdict::bits, trade<&Trade::specular, Specular::exact>, "polynomials of our own"},
-      {"schlick", Verdict::bits, trade<&Trade::specular, Specular::schlick>,
-       "a quotient: at most 0.2037 above the power for exponents from 1"},
-      {"native", Verdict::bounded, trade<&Trade::specular, Specular::native>, "the device's own pow: within a bound of the exact one"}}},
-    {"rate",
-     "pixels that are shaded",
-     {{"1", Verdict::bits, trade<&Trade::coarse, false>, "every one"},
-      {"1/2", Verdict::bits, trade<&Trade::coarse, true>, "one in 2x2, whose colour the others take"}}},
-    {"encode",
-     "how light becomes bytes",
-     {{"threshold", Verdict::bits, trade<&Trade::nativeEncode, false>, "the correctly rounded code, by 255 thresholds"},
-      {"native", Verdict::bounded, trade<&Trade::nativeEncode, true>, "the device's own pow: at most one code off, next to a tie"}}},
-    {"encoding",
-     "the curve of the bytes",
-     {{"srgb", Verdict::bits, encode<Encoding::srgb>, "IEC 61966-2-1"},
-      {"linear", Verdict::bits, encode<Encoding::linear>, "bytes in proportion to light"}},
-     Scope::both},
-    {"samples",
-     "samples a pixel",
-     {{"1", Verdict::bits, sample<1>, "the pixel's centre"},
-      {"4", Verdict::bits, sample<4>, "2x2, resolved in linear light"},
-      {"16", Verdict::bits, sample<16>, "4x4, resolved in linear light"}},
-     Scope::both},
+    {"samples", "samples a pixel", choicesOf(kSampleCounts, [](RenderRequest& r, uint32_t value) { r.samples = value; }), Scope::both},
     {"trace-depth",
      "rays one after another",
      {{"stated", Verdict::bits, keep, "as the scene or --max-depth has it"},
@@ -162,13 +107,7 @@ const std::vector<Axis> kAxes = {
       {"1/100", Verdict::bits, cutBelow<100>, "1 %, as the notes have it"},
       {"1/10", Verdict::bits, cutBelow<10>, "10 %, as the notes have it"}},
      Scope::rays},
-    {"ray-sampling",
-     "where rays pass through a pixel",
-     {{"grid", Verdict::bits, sampleRays<RayChoices::Sampling::grid>, "the middle of each sample's square"},
-      {"random", Verdict::bits, sampleRays<RayChoices::Sampling::random>, "anywhere in each sample's square"},
-      {"corners", Verdict::bits, sampleRays<RayChoices::Sampling::corners>, "the pixel's corners, each ray shared by four pixels"},
-      {"adaptive", Verdict::bits, sampleRays<RayChoices::Sampling::adaptive>, "corners, and 16 samples where they differ"}},
-     Scope::rays},
+    {"ray-sampling", "where rays pass through a pixel", samplings(), Scope::rays},
     {"renderer",
      "what draws",
      {{"device", Verdict::bits, useDevice, "the Vulkan device"}, {"twin", Verdict::bits, useTwin, "the CPU twin on all threads"}},
@@ -183,27 +122,13 @@ const std::vector<Axis> kAxes = {
 
 std::string wordsOf(const Setting& s) {
     const RenderRequest& r = s.request;
-    static constexpr const char* kShadings[] = {"wire", "unlit", "flat", "gouraud", "phong", "ray"};
-    const Trade& t = r.trade;
-    static constexpr const char* kNumbers[] = {"fp32", "block-integer", "fp64"};
-    static constexpr const char* kVectors[] = {"pixel", "vertex", "face", "scene"};
-    static constexpr const char* kSpeculars[] = {"exact", "schlick", "native"};
-    const std::string depth = t.depthBits == 32                      ? "reversed-32"
-                              : t.depthBits == Trade::kStandardDepth ? "standard-32"
-                                                                     : std::to_string(t.depthBits);
     const std::string machine =
         (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device") + (s.again ? " again" : "");
     if (r.shading == Shading::ray)
-        return fmt::format("shading=ray encoding={} samples={} trace-depth={} trace-cutoff={} ray-sampling={} {}",
-                           r.encoding == Encoding::srgb ? "srgb" : "linear", r.samples, r.maxDepth, r.minWeight, nameOf(r.rays.sampling),
-                           machine);
-    return fmt::format(
-        "shading={} fill={} encoding={} samples={} specular={} light-vector={} interpolation={} depth={} subpixel={} transform={} "
-        "normals={} rate={} encode={} {}",
-        kShadings[size_t(r.shading)], r.fill == Fill::notes ? "notes" : "exact", r.encoding == Encoding::srgb ? "srgb" : "linear",
-        r.samples, kSpeculars[size_t(t.specular)], kVectors[size_t(t.vectors)], t.affine ? "affine" : "perspective", depth, t.subpixelBits,
-        kNumbers[size_t(t.numbers)], t.unitNormals ? "normalised" : "as-interpolated", t.coarse ? "1/2" : "1",
-        t.nativeEncode ? "native" : "threshold", machine);
+        return fmt::format("shading={} encoding={} samples={} trace-depth={} trace-cutoff={} ray-sampling={} {}", nameOf(r.shading),
+                           nameOf(r.encoding), r.samples, r.maxDepth, r.minWeight, nameOf(r.rays.sampling), machine);
+    return fmt::format("shading={} fill={} encoding={} samples={} {} {}", nameOf(r.shading), nameOf(r.fill), nameOf(r.encoding), r.samples,
+                       wordsOf(r.trade), machine);
 }
 
 std::span<const Axis> axes() { return kAxes; }
@@ -226,17 +151,6 @@ uint32_t mostSamples(const Setting& base) {
             most = std::max(most, setting.request.samples);
         }
     return most;
-}
-
-void apply(Setting& setting, const std::string& axisName, const std::string& choiceName) {
-    const Axis& axis = axisOf(axisName);
-    std::string accepted;
-    for (const AxisChoice& choice : axis.choices) {
-        if (choice.apply != nullptr && choiceName == choice.name) return choice.apply(setting);
-        if (choice.apply != nullptr) accepted += (accepted.empty() ? "" : ", ") + std::string(choice.name);
-    }
-    throw usageError(fmt::format("'{}={}' is refused; accepted for {}: {}", axisName, choiceName, axisName,
-                                 accepted.empty() ? "nothing in this version" : accepted));
 }
 
 const Axis& axisOf(const std::string& name) {

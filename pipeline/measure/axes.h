@@ -6,6 +6,7 @@
 #include "pipeline/render/render.h"
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,9 +25,9 @@ std::string wordsOf(const Setting&);
 
 struct AxisChoice {
     const char* name;
-    Verdict verdict;          // docs/accuracy.md
-    void (*apply)(Setting&);  // null: absent
-    const char* why;          // absent: why; else what it does
+    Verdict verdict;                      // docs/accuracy.md
+    std::function<void(Setting&)> apply;  // empty: absent
+    std::string why;                      // absent: why; else what it does
 };
 
 // Which pictures have such a choice.
@@ -47,8 +48,6 @@ const Axis& controlAxis();
 uint32_t mostSamples(const Setting& base);
 
 std::span<const Axis> axes();
-// Turns one knob. Throws Error(usage) with the accepted names.
-void apply(Setting& setting, const std::string& axis, const std::string& choice);
 // Throws Error(usage) with the accepted names.
 const Axis& axisOf(const std::string& name);
 

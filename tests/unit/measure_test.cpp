@@ -184,7 +184,17 @@ TEST(Axes, HaveDistinctNamesAndReasons) {
         std::set<std::string> choices;
         for (const AxisChoice& choice : axis.choices) {
             EXPECT_TRUE(choices.insert(choice.name).second) << axis.name;
-            EXPECT_STRNE(choice.why, "") << axis.name << ' ' << choice.name;
+            EXPECT_NE(choice.why, "") << axis.name << ' ' << choice.name;
+        }
+    }
+    for (const TradeAxis& traded : kTradeAxes) {
+        const Axis& axis = axisOf(traded.name);
+        ASSERT_EQ(axis.choices.size(), traded.choices.size()) << traded.name;
+        for (size_t i = 0; i < axis.choices.size(); ++i) {
+            EXPECT_STREQ(axis.choices[i].name, traded.choices[i].word) << traded.name;
+            Setting setting;
+            axis.choices[i].apply(setting);
+            EXPECT_TRUE(traded.choices[i].isChosen(setting.request.trade)) << traded.name << ' ' << traded.choices[i].word;
         }
     }
     for (const char* name : {"shading", "fill", "interpolation", "specular", "normals", "light-vector", "transform", "depth", "encode",
