@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Runs the commands of docs/ whose answer is shown: an sh block, and right behind it a block that is `text`, `json` or of no language. What is shown must be
 printed, line behind line; `...` stands for what is left out. Times, devices and versions are masked on both sides. PAGES must show an answer in their first screen.
-Every key of the JSON of REPORTS must stand on one of KEYED.
+Every key of the JSON of REPORTS must stand on one of KEYED, and every word that is completed for a flag of WORDED on its line.
 
 usage: docs_test.py PLUMB SOURCE
        docs_test.py --self-test      exit 1 when a changed answer goes unnoticed
@@ -56,6 +56,10 @@ REPORTS = [
     "plumb bench trace spheres4 --size 96x64 --repeat 3 -q",
 ]
 NAMES = ("spirv", "passes", "passes_ms", "passesMs", "counts", "over")
+# Flag, page, and the beginning of the lines on which its words stand; {} is the axis of AXIS=WORD.
+WORDED = [("trade", "measure.md", r"\| `{}` \|"), ("sampling", "rays.md", r"\| `"), ("aov", "outputs.md", r"\| `")] + \
+         [(flag, "scene-format.md", f"{key} = ") for flag, key in (("encode", "encoding"), ("shading", "shading"), ("fill", "fill"), ("wire", "wire"), ("edges", "edges"),
+                                                                   ("viewer", "viewer"), ("sampling", "sampling"), ("levels", "levels"))]
 # Makes a run short without changing what is masked; a busy machine must not cut rows.
 SHORTER = {"plumb measure": "--repetitions 11 --limit 600s"}
 LEFT_OUT = re.compile(r"^note: load ")  # lines that stand on a busy machine only
@@ -116,6 +120,20 @@ def keys_of(value, named=False):
             yield from keys_of(below, False)
 
 
+def words_missing(flag, begin, page, completions):
+    """Words that fish completes for a flag and no line of the page has that begins so. A flag without words is missed as a whole."""
+    found = re.search(rf" -l {flag} .*?-a '([^']*)'", completions)
+    if not found:
+        return [f"--{flag}"]
+    missing = []
+    for word in found.group(1).split():
+        axis, _, value = word.rpartition("=")
+        lines = re.findall(f"^{begin.replace('{}', axis)}.*", page, re.M)
+        if not re.search(rf"""[`"]{re.escape(value)}[`"]""", "\n".join(lines)):
+            missing.append(word)
+    return missing
+
+
 def self_test():
     page = "# P\n\n```sh\nplumb x   # a remark; exit 1\n```\n\n```text\na.png: 12.3 ms\n...\nb 7\n```\n\nText.\n\n```sh\nplumb y\n```\n\nText.\n\n```\nno answer\n```\n"
     found = answers_of(page)
@@ -129,9 +147,15 @@ def self_test():
     wrong += [f"{shown!r} of {printed!r}: {got!r}" for shown, printed, want in cases if (got := not_printed(shown, printed)) != want]
     if (keys := set(keys_of({"a": [{"b": 1, "passes": {"fill": 2}}], "passes": [{"pass": 3}]}))) != {"a", "b", "passes", "pass"}:
         wrong.append(f"keys: {keys}")
+    fish = "complete -c plumb -l other -x -a 'x' -d 'x'\ncomplete -c plumb -l trade -x -a 'depth=24 depth=16' -d 'x'\ncomplete -c plumb -l json -d 'x'\n"
+    for page, want in (("| `depth` | `24`, `16` |", []), ("| `depth` | `24`, 16 |", ["depth=16"]), ("| `rate` | `24`, `16` |", ["depth=24", "depth=16"])):
+        if (got := words_missing("trade", r"\| `{}` \|", page, fish)) != want:
+            wrong.append(f"words of {page}: {got}")
+    if (got := words_missing("shading", "x", "x", fish)) != ["--shading"]:
+        wrong.append(f"a flag that is not completed: {got}")
     for line in wrong:
         print(line)
-    print(f"docs_test --self-test: {len(cases) + 2} cases, {len(wrong)} wrong")
+    print(f"docs_test --self-test: {len(cases) + 6} cases, {len(wrong)} wrong")
     return 1 if wrong else 0
 
 
@@ -163,6 +187,11 @@ def main():
                     wrong.append(f"docs/{name}:{line}: exit {done.returncode}, not {expected}")
                 if (absent := not_printed(shown, done.stdout)) is not None:
                     wrong.append(f"docs/{name}:{line}: does not print `{absent}` but:\n{masked(done.stdout)[:2000]}")
+        completions = subprocess.run(["plumb", "help", "--completion", "fish"], cwd=folder, env=environment, check=True, capture_output=True, text=True).stdout
+        for flag, name, begin in WORDED:
+            with open(os.path.join(source, "docs", name), encoding="utf-8") as file:
+                if missing := words_missing(flag, begin, file.read(), completions):
+                    wrong.append(f"docs/{name}: no line that begins with `{begin}` has the words {' '.join(missing)} of --{flag}")
         written = set()
         for name in KEYED:
             with open(os.path.join(source, "docs", name), encoding="utf-8") as file:

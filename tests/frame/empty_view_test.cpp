@@ -147,9 +147,9 @@ TEST_F(EmptyView, IsTheBackgroundOfSpheresAndPlanes) {
     s.spheres = {ball({0, 0, 30}, 1, 0)};
     s.planes = {floorAt(0, 0, 0, 1)};
     s.planes[0].vMin = 10, s.planes[0].vMax = 20;  // behind the viewer
-    for (const Sampling sampling :
-         {Sampling::grid, Sampling::centre, Sampling::random, Sampling::notes, Sampling::corners, Sampling::adaptive}) {
-        SCOPED_TRACE(nameOf(sampling));
+    for (const Choice<Sampling>& row : kSamplings) {
+        const Sampling sampling = row.value;
+        SCOPED_TRACE(row.word);
         RenderRequest request;
         request.width = kView.width;
         request.height = kView.height;
@@ -193,27 +193,18 @@ TEST_F(EmptyView, IsTheBackgroundOfTheNotesSpheres) {
 
 // What a choice of the trade moves is where something is drawn.
 TEST_F(EmptyView, IsTheBackgroundWithEveryTrade) {
-    std::vector<Trade> trades(9);
-    trades[0].specular = Trade::Specular::schlick;
-    trades[1].vectors = Trade::Vectors::face;
-    trades[2].numbers = Numbers::fp64;
-    trades[3].numbers = Numbers::blockInteger;
-    trades[4].depthBits = 16;
-    trades[5].depthBits = Trade::kStandardDepth;
-    trades[6].coarse = true;
-    trades[7].nativeEncode = true;
-    trades[8].specular = Trade::Specular::native;
     const std::vector<Emptiness> all = emptinesses();
     for (const Emptiness* e : {&all[0], &all[3]})
-        for (size_t i = 0; i < trades.size(); ++i) {
-            SCOPED_TRACE(fmt::format("{}, trade {}", e->name, i));
-            RenderRequest request;
-            request.width = kView.width;
-            request.height = kView.height;
-            request.background = kBackground;
-            request.trade = trades[i];
-            verify(e->scene, request);
-        }
+        for (const TradeAxis& axis : kTradeAxes)
+            for (const TradeChoice& choice : axis.choices.subspan(1)) {
+                SCOPED_TRACE(fmt::format("{}, {}={}", e->name, axis.name, choice.word));
+                RenderRequest request;
+                request.width = kView.width;
+                request.height = kView.height;
+                request.background = kBackground;
+                choice.choose(request.trade);
+                verify(e->scene, request);
+            }
 }
 
 }  // namespace

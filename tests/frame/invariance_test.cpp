@@ -58,14 +58,20 @@ protected:
     }
 };
 
-constexpr Shading kShadings[] = {Shading::wire, Shading::unlit, Shading::flat, Shading::gouraud, Shading::phong};
+// Every shading of the raster.
+std::vector<Shading> rasterShadings() {
+    std::vector<Shading> shadings;
+    for (const Choice<Shading>& row : kShadings)
+        if (row.value != Shading::ray) shadings.push_back(row.value);
+    return shadings;
+}
 
 TEST_F(Frames, AreEqualInEveryShadingWithEverySampleCount) {
     for (const SceneCase& row : {kSoup, kInside})
-        for (Shading shading : kShadings)
+        for (Shading shading : rasterShadings())
             for (uint32_t samples : {1u, 4u, 16u}) {
                 const bool transparent = (shading == Shading::phong) == (samples == 4);  // both with every count, over the shadings
-                SCOPED_TRACE(fmt::format("{}, shading {}, {} samples, transparent {}", row.name, int(shading), samples, transparent));
+                SCOPED_TRACE(fmt::format("{}, shading {}, {} samples, transparent {}", row.name, nameOf(shading), samples, transparent));
                 RenderRequest request = requestOf(row, shading, samples);
                 request.transparent = transparent;
                 if (transparent) request.encoding = Encoding::linear;
@@ -74,35 +80,24 @@ TEST_F(Frames, AreEqualInEveryShadingWithEverySampleCount) {
 }
 
 TEST_F(Frames, AreEqualWithEveryTrade) {
-    std::vector<Trade> trades(14);
-    trades[0].specular = Trade::Specular::schlick;
-    trades[1].vectors = Trade::Vectors::scene;
-    trades[2].affine = true;
-    trades[3].depthBits = 24;
-    trades[4].depthBits = 16;
-    trades[5].subpixelBits = 4;
-    trades[6].depthBits = Trade::kStandardDepth;
-    trades[7].unitNormals = false;
-    trades[8].coarse = true;
-    trades[9] = {.specular = Trade::Specular::schlick, .depthBits = 16, .unitNormals = false, .coarse = true};
-    trades[10].numbers = Numbers::blockInteger;
-    trades[11].numbers = Numbers::fp64;
-    trades[12].vectors = Trade::Vectors::face;
-    trades[13].vectors = Trade::Vectors::vertex;
+    std::vector<Trade> trades = {{.specular = Trade::Specular::schlick, .depthBits = 16, .unitNormals = false, .coarse = true}};
+    for (const TradeAxis& axis : kTradeAxes)
+        for (const TradeChoice& choice : axis.choices.subspan(1))
+            if (choice.verdict == Verdict::bits) choice.choose(trades.emplace_back());
     for (const SceneCase& row : {kSoup, kInside})
         for (const Shading shading : {Shading::flat, Shading::gouraud, Shading::phong}) {
             if (row.build == kInside.build && shading != Shading::phong) continue;  // each is a kernel to compile
             const Scene scene = row.scene();
             const Frame plain = both(scene, requestOf(row, shading));
-            for (size_t t = 0; t < trades.size(); ++t) {
-                SCOPED_TRACE(fmt::format("{}, shading {}, trade {}", row.name, int(shading), t));
+            for (const Trade& trade : trades) {
+                SCOPED_TRACE(fmt::format("{}, shading {}, {}", row.name, nameOf(shading), wordsOf(trade)));
                 RenderRequest request = requestOf(row, shading);
-                request.trade = trades[t];
+                request.trade = trade;
                 const Frame traded = both(scene, request);
                 // Shown on the picture in which there is a highlight, perspective and much that overlaps; 24 bits and 1 - n/w show in its depth alone; this
                 // scene has no transform that could round, below.
-                if (row.build != kSoup.build || shading != Shading::phong || t == 10 || t == 11) continue;
-                const bool inDepth = t == 3 || t == 6;
+                if (row.build != kSoup.build || shading != Shading::phong || trade.numbers != Numbers::fp32) continue;
+                const bool inDepth = trade.depthBits == 24 || trade.depthBits == Trade::kStandardDepth;
                 EXPECT_NE(inDepth ? plain.z : plain.linear, inDepth ? traded.z : traded.linear) << "the choice changed nothing";
             }
         }
@@ -348,7 +343,7 @@ TEST_F(Frames, ColourAloneIsTheSameColour) {
 }
 
 TEST_F(Frames, DoNotDependOnTheTwinsThreadsAndBands) {
-    for (Shading shading : kShadings) {
+    for (Shading shading : rasterShadings()) {
         RenderRequest request = requestOf(kInside, shading, 4);
         request.threads = 1;
         const Frame one = renderCpu(kInside.scene(), request).frame;
@@ -457,7 +452,7 @@ class Metamorphic : public Frames {};
 // apart, and nothing leaves the normal range.
 TEST_F(Metamorphic, ScalingEverythingByAPowerOfTwo) {
     for (const SceneCase& row : {kSoup, kInside})
-        for (Shading shading : kShadings) {
+        for (Shading shading : rasterShadings()) {
             Scene plain = row.scene();
             for (Light& l : plain.lights) l.attenuation = Attenuation::none;
             plain.camera->eye = {0.125, -0.25, 0.5};
@@ -554,7 +549,7 @@ TEST_F(Metamorphic, PermutingTriangles) {
 
 TEST_F(Metamorphic, SplittingAMeshIntoTwoObjects) {
     for (const SceneCase& row : {kSoup, kInside, kSheet})
-        for (Shading shading : kShadings) {
+        for (Shading shading : rasterShadings()) {
             SCOPED_TRACE(fmt::format("{}, shading {}", row.name, int(shading)));
             const Scene scene = row.scene();
             const RenderRequest request = requestOf(row, shading);
@@ -574,7 +569,7 @@ TEST_F(Metamorphic, SplittingAMeshIntoTwoObjects) {
 }
 
 TEST_F(Metamorphic, AddingWhatIsNotSeen) {
-    for (Shading shading : kShadings) {
+    for (Shading shading : rasterShadings()) {
         SCOPED_TRACE(fmt::format("shading {}", int(shading)));
         const Scene scene = kSoup.scene();
         const RenderRequest request = requestOf(kSoup, shading);

@@ -38,32 +38,32 @@ RenderRequest small(Shading shading, Fill fill = Fill::exact, uint32_t samples =
 
 std::vector<Way> waysOfMeshes() {
     std::vector<Way> ways;
-    for (const Shading shading : {Shading::unlit, Shading::flat, Shading::gouraud, Shading::phong})
-        for (const Fill fill : {Fill::exact, Fill::notes})
+    for (const Choice<Shading>& shading : kShadings) {
+        if (shading.value == Shading::wire || shading.value == Shading::ray) continue;
+        for (const Choice<Fill>& fill : kFills)
             for (const uint32_t samples : {1u, 4u})
                 for (const uint32_t planes : {uint32_t(kPlaneColour), kPlaneColour | kPlaneNormal | kPlaneLinear}) {
-                    RenderRequest r = small(shading, fill, samples);
+                    RenderRequest r = small(shading.value, fill.value, samples);
                     r.planes = planes;
                     ways.push_back(
-                        {fmt::format("shading {}, fill {}, {} samples, planes {:#x}", int(shading), int(fill), samples, planes), r});
+                        {fmt::format("shading {}, fill {}, {} samples, planes {:#x}", shading.word, fill.word, samples, planes), r});
                 }
-    for (const WireView view : {WireView::seeThrough, WireView::culled, WireView::solid})
+    }
+    for (const Choice<WireView>& view : kWireViews)
         for (const uint32_t samples : {1u, 4u}) {
             RenderRequest r = small(Shading::wire, Fill::exact, samples);
-            r.wire = view;
-            ways.push_back({fmt::format("wire {}, {} samples", int(view), samples), r});
+            r.wire = view.value;
+            ways.push_back({fmt::format("wire {}, {} samples", view.word, samples), r});
         }
     return ways;
 }
 
 std::vector<Way> waysOfRays() {
     std::vector<Way> ways;
-    using Sampling = RayChoices::Sampling;
-    for (const Sampling sampling :
-         {Sampling::grid, Sampling::centre, Sampling::random, Sampling::corners, Sampling::adaptive, Sampling::notes}) {
+    for (const Choice<Sampling>& sampling : kSamplings) {
         RenderRequest r = small(Shading::ray);
-        r.rays.sampling = sampling;
-        ways.push_back({fmt::format("rays, sampling {}", nameOf(sampling)), r});
+        r.rays.sampling = sampling.value;
+        ways.push_back({fmt::format("rays, sampling {}", sampling.word), r});
     }
     ways.push_back({"rays, 4 samples", small(Shading::ray, Fill::exact, 4)});
     return ways;
