@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// Local colour of a hit: its material, and the lights as shadow rays find them (trace.comp).
+
+// Material of `hit`.
+TraceMaterial material;
+void readMaterial() {
+    int first = int(hit.material) * kTraceMaterialTexels;
+    vec4 base = texelFetch(materials, first);
+    vec4 diffuse = texelFetch(materials, first + 1);
+    vec4 specular = texelFetch(materials, first + 2);
+    vec4 shares = texelFetch(materials, first + 3);
+    material = TraceMaterial(base.xyz, base.w, diffuse.xyz, diffuse.w, specular.xyz, specular.w, shares.x, shares.y, shares.z, shares.w);
+}
+
+// Dims `passed`, the light that a shadow ray keeps, by what stands between `hit` and the light.
+void dimBySpheres(Feeler feeler, inout float passed) {
+    int i = 0;
+    [[unroll]] for (i = 0; i < sphereCount(); ++i) {
+        SphereHit met = sphereAt(i, hit.before, feeler.direction, nearest.object, hit.within);
+        passed *= blocks(met.t, feeler.reach) ? (kDims ? shareThatPasses(texelFetch(surfaces, i).x) : 0.0) : 1.0;
+    }
+    fault |= i < sphereCount() ? kFaultLoop : 0u;
+}
+void dimByBoards(Feeler feeler, inout float passed) {
+    int i = 0;
+    for (i = 0; i < boardCount(); ++i) {
+        PlaneHit met = boardAt(i, hit.before, feeler.direction, nearest.object, hit.within);
+        passed *= blocks(met.t, feeler.reach) ? (kDims ? shareThatPasses(materialOfBoard(i, met)) : 0.0) : 1.0;
+    }
+    fault |= i < boardCount() ? kFaultLoop : 0u;
+}
+void dimByMeshes(Feeler feeler, bool sent, inout float passed) {
+    RayFrame along = frameOfRay(hit.before, feeler.direction, push.reach);
+    int children = int(push.childCount);
+    int child = 0;
+    while (sent && passed > 0.0 && child < children) {
+        uint link = nextLeaf(along, feeler.reach, child);
+        uint triangle;
+        TriangleHit at = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, along, nearest.object - firstTriangle(), triangle);
+        uint owner = texelFetch(triangles, int(triangle) * 2).w;
+        float slope = dot3(feeler.direction, uintBitsToFloat(texelFetch(triangles, int(triangle) * 2 + 1).xyz));
+        bool met = link >= kLeaf && blocks(at.t, feeler.reach);
+        passed *= met ? passesTriangle(shareThatPasses(owner), slope) : 1.0;
+    }
+    fault |= sent && passed > 0.0 && child < children ? kFaultLoop : 0u;
+}
+
+// Returns the share of a light that reaches `hit`. `lit`: true when the hit asks for this light.
+float shareOfLight(int light, vec4 place, bool lit) {
+    Feeler feeler = feelerTo(place, hit.before);
+    bool above = dot3(hit.seen, feeler.direction) > 0.0 && dot3(hit.n, feeler.direction) > 0.0;
+    feelers += lit && above ? 1u : 0u;
+    if (kJitterFeeler != 0u)
+        feeler.direction =
+            jittered(feeler.direction, hit.n, uintBitsToFloat(kJitterFeeler), keyOfChild(ray.key, kFirstFeelerKey + uint(light)));
+    float passed = 1.0;
+    if (kShadows) {
+        dimBySpheres(feeler, passed);
+        dimByBoards(feeler, passed);
+        if (kMeshes) dimByMeshes(feeler, lit && above, passed);
+    }
+    return above ? passed : 0.0;
+}
+
+vec4 lightTexel(int light, int k) {
+    vec4 texel;
+    if (kOneLight)
+        texel = heldLight[k];
+    else
+        texel = texelFetch(lights, light * kLightTexels + k);
+    return texel;
+}
+
+// Returns the Phong colour of `hit`, each light dimmed by what its shadow ray meets. `local`: true when the hit shows it.
+Colour localColour(bool local) {
+    Colour c = Colour(material.base.x, material.base.y, material.base.z);
+    Surface surface =
+        Surface(hit.seen.x, hit.seen.y, hit.seen.z, -ray.d.x, -ray.d.y, -ray.d.z, hit.s.point.x, hit.s.point.y, hit.s.point.z);
+    Reflectance k = Reflectance(material.diffuse.x, material.diffuse.y, material.diffuse.z, material.specular.x, material.specular.y,
+                                material.specular.z, material.shininess, material.zeroPower);
+    ShadeParts parts = ShadeParts(true, kSpecular, kPointLights, kPowerExact);
+    int lightCount = int(push.lightCount);
+    int light = 0;
+    if (kLights) do {
+            bool lit = local && light < lightCount;
+            if (lit || together()) {
+                vec4 place = lightTexel(light, 0);
+                vec4 intensity = lightTexel(light, 1);
+                float passed = shareOfLight(light, place, lit);
+                addLight(place, vec4(intensity.xyz * passed, intensity.w), surface, k, parts, c);
+            }
+            light++;
+        } while (!kOneLight && light < lightCount);
+    fault |= kLights && local && light < lightCount ? kFaultLoop : 0u;
+    return c;
+}
+
+// Adds what `ray` itself sees to the sample.
+void addColour(bool runs) {
+    bool local = hit.any && material.local > 0.0;
+    Colour c = localColour(local);
+    float share = ray.weight * material.local;
+    vec3 added = vec3(c.r, c.g, c.b) * share;
+    added = hit.any ? (local ? added : vec3(0.0)) : push.sky * ray.weight;
+    colour = runs ? colour + added : colour;
+    if (kCutLevels) {
+        vec3 own = hit.any ? wholeLevels(vec3(c.r, c.g, c.b)) * material.local : wholeLevels(push.sky);
+        levels[ray.depth - 1u] = vec4(local || !hit.any ? own : vec3(0.0), hit.any ? material.reflect : 0.0);
+    }
+}
