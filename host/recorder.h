@@ -9,6 +9,7 @@
 #pragma once
 
 #include "host/buffer.h"
+#include "host/pass_time.h"
 #include "host/program.h"
 
 #include <cstdint>
@@ -41,12 +42,6 @@ Binding storage(const char* name, const Buffer<T>& buffer, uint64_t firstElement
 inline Binding texels(const char* name, const RawBuffer& buffer, View view, uint64_t offset = 0, uint64_t range = 0) {
     return {name, &buffer, view, 0, offset, range};
 }
-
-struct PassTime {
-    std::string pass;  // label given to dispatch(); equal labels of one frame are added up
-    double ms = 0;     // device time stamps; host time when the device has none
-    uint32_t dispatches = 0;
-};
 
 struct RecorderImpl;
 

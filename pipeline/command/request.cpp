@@ -35,7 +35,7 @@ void chooseShading(const Options& options, const Scene& scene, RenderRequest& re
     const std::string asked = raysAskedBy(scene);
     if (asked.empty() || request.fill == Fill::notes || (!onlyRaysDraw(scene) && !options.traded.empty())) return;
     request.shading = Shading::ray;
-    request.shadingReason = fmt::format("shading ray: {}; --shading overrides", asked);
+    request.stated.shading = fmt::format("shading ray: {}; --shading overrides", asked);
 }
 
 // The flag, or else the scene.
@@ -61,7 +61,7 @@ void rayChoices(const Options& options, const Scene& scene, RenderRequest& reque
         if (given && !traced) throw usageError(fmt::format("{} goes with --shading ray", flag));
     if (!traced) return;
     RayChoices& rays = request.rays;
-    RenderRequest::StatedBy& by = request.statedBy;
+    Stated& by = request.stated;
     rays.sampling = stated(options.sampling, scene.sampling, Sampling::grid, "--sampling", by.sampling);
     if (!options.sampling && scene.sampling && options.samples != 1 &&
         (rays.sampling == Sampling::corners || rays.sampling == Sampling::adaptive))
@@ -124,8 +124,8 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     }
     request.trade = options.trade;
     request.threads = options.threads;
-    request.chunkTriangles = options.limitChunk;
-    request.bandRows = options.limitBand;
+    request.knobs.chunkTriangles = options.limitChunk;
+    request.knobs.bandRows = options.limitBand;
     request.watchdogMs = options.watchdogMs;
     return request;
 }

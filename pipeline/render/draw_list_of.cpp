@@ -135,7 +135,7 @@ void ListBuilder::addObjects() {
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         p_.counters.vertices += mesh.positions.size();
         p_.counters.triangles += mesh.triangles.size();
-        if (!request_.keepEverything && outsideView(mesh, worldFromMesh(scene_, object), view_))
+        if (!request_.knobs.keepEverything && outsideView(mesh, worldFromMesh(scene_, object), view_))
             p_.plan.dropped.push_back(
                 {fmt::format("object {}", object.name.empty() ? std::to_string(i) : object.name), "outside the view"});
         else
@@ -222,7 +222,7 @@ void ListBuilder::addLights() {
 
 void ListBuilder::addLight(const Light& stated) {
     const Light light = request_.trade.vectors == Trade::Vectors::scene ? lampFromCentre(stated, *scene_.camera) : stated;
-    if (light.intensity == glm::vec3(0) && !request_.keepEverything) {
+    if (light.intensity == glm::vec3(0) && !request_.knobs.keepEverything) {
         p_.plan.dropped.push_back({"light", "its intensity is 0"});
         return;
     }

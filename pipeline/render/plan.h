@@ -4,7 +4,7 @@
 // not walked.
 #pragma once
 
-#include "host/recorder.h"
+#include "host/pass_time.h"
 
 #include <string>
 #include <vector>

@@ -123,7 +123,7 @@ Preparing::Preparing(const Scene& stated, const RenderRequest& asked, uint32_t s
     p.backgroundLinear = request.background;
     p.background = encodePixelCpu(p.choices.encoding, &request.background.x, request.transparent ? 0 : 255);
     findUndrawn(request.transparent, p);
-    if (!request.shadingReason.empty()) p.plan.choices.push_back(request.shadingReason);
+    if (!request.stated.shading.empty()) p.plan.choices.push_back(request.stated.shading);
 }
 
 void Preparing::dropRays(const std::string& asked) {
@@ -140,7 +140,7 @@ void Preparing::addLights() {
 
 void Preparing::leaveOut() {
     FillChoices& c = p.choices;
-    if (c.shading == gpu::kShadingUnlit || request.keepEverything) return;
+    if (c.shading == gpu::kShadingUnlit || request.knobs.keepEverything) return;
     const auto none = [](const glm::vec3& colour) { return colour == glm::vec3(0); };
     bool diffuse = false, specular = false, point = false;
     for (const gpu::MaterialRecord& m : p.list.materials) {

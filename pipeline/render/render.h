@@ -3,7 +3,7 @@
 #pragma once
 
 #include "host/device.h"
-#include "host/recorder.h"
+#include "host/pass_time.h"
 #include "pipeline/choices/choices.h"
 #include "pipeline/choices/trade.h"
 #include "pipeline/render/frame.h"
@@ -30,13 +30,23 @@ struct RayChoices {
 };
 inline constexpr int kCornerLevels = 4;  // of an encoded channel
 
+// Who stated a choice, in the words of the plan; empty: nobody. No picture depends on it.
+struct Stated {
+    std::string shading;                        // the whole sentence, where the scene asks for rays without naming them
+    std::string sampling, jitter, seed, levels;  // "--seed", "the scene; --seed overrides"
+};
+
+// Limits for tests. 0 and false: as the device, its memory and the scene ask. No byte of a picture depends on them.
+struct TestKnobs {
+    uint64_t chunkTriangles = 0;  // most triangles (of wire frames: edges) in one upload
+    uint32_t bandRows = 0;        // most rows of pixels in one band
+    uint32_t rayLimit = 0;        // most rays that a sample follows in one dispatch; above 0 the list form traces them
+    bool keepEverything = false;  // nothing is dropped that a plan would drop
+};
+
 struct RenderRequest {
-    uint32_t width = 640, height = 480;
+    uint32_t width = 640, height = 480;  // pixels
     Shading shading = Shading::phong;
-    std::string shadingReason;  // why, where nobody stated it; for the plan
-    struct StatedBy {
-        std::string sampling, jitter, seed, levels;
-    } statedBy;  // "--seed", "the scene; --seed overrides", or nothing; for the plan
     Fill fill = Fill::exact;
     WireView wire = WireView::seeThrough;
     bool wirePerPolygon = false;  // each edge as often as polygons have it (section 2 of the notes); WireView::solid always does
@@ -48,17 +58,14 @@ struct RenderRequest {
     bool transparent = false;        // RGBA output, background alpha 0
     uint32_t planes = kPlaneColour;  // Plane bits
     uint32_t threads = 0;            // twin: 0 = all
-    // Limits for tests; 0 = from the device and the budget.
-    uint64_t chunkTriangles = 0;
-    uint32_t bandRows = 0;
     std::function<bool(double)> onProgress;  // 0..1; false cancels (Error(interrupted))
     double watchdogMs = 60000;
     uint32_t maxDepth = 5;  // rays one after another, 1 to 64 (traced pictures)
     float minWeight = 0;    // a ray that weighs less is not followed
     RayChoices rays;
-    uint32_t rayLimit = 0;        // tests: rays that a sample follows in one dispatch; forces the list form. 0: as the scene asks
-    bool repeated = false;        // drawn many times: kernels that take longer to make may be faster; changes no byte
-    bool keepEverything = false;  // drop nothing that a plan would drop (tests of the drops)
+    bool repeated = false;  // drawn many times: kernels that take longer to make may be faster; changes no byte
+    Stated stated;
+    TestKnobs knobs;
 };
 
 struct RenderCounters {

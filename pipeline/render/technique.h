@@ -2,6 +2,7 @@
 // A way to draw: one folder behind one interface. Which way draws a picture is asked in one table (techniques.cpp) and nowhere else.
 #pragma once
 
+#include "host/recorder.h"
 #include "pipeline/render/planes.h"
 #include "pipeline/render/prepare.h"
 

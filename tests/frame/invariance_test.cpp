@@ -122,8 +122,8 @@ TEST_F(Frames, AreEqualInLongNumbersWhereFloat32MovesVertices) {
             request.trade.numbers = numbers;
             const Frame longer = both(scene, request);
             EXPECT_NE(plain.linear, longer.linear) << "the choice changed nothing";
-            request.chunkTriangles = row.build == kInside.build ? 7 : 500;
-            request.bandRows = 24;
+            request.knobs.chunkTriangles = row.build == kInside.build ? 7 : 500;
+            request.knobs.bandRows = 24;
             expectSameFrame(longer, renderGpu(device(), scene, request).frame);
         }
     }
@@ -152,8 +152,8 @@ TEST_F(Frames, AreEqualWithDirectionsOfFacesAndVertices) {
             request.trade.unitNormals = lights != 2;
             const Frame whole = both(scene, request);
             if (lights == 5 && vectors == Trade::Vectors::face) {  // places of faces are those of the chunk
-                request.chunkTriangles = 30;
-                request.bandRows = 40;
+                request.knobs.chunkTriangles = 30;
+                request.knobs.bandRows = 40;
                 expectSameFrame(whole, renderGpu(device(), scene, request).frame);
             }
             request.trade.coarse = true;
@@ -182,9 +182,9 @@ TEST_F(Frames, AreEqualWhenShadedCoarsely) {
         RenderRequest request = requestOf(row, Shading::phong, samples);
         request.trade.coarse = true;
         const Frame want = both(scene, request);
-        request.bandRows = 9;
+        request.knobs.bandRows = 9;
         expectSameFrame(want, both(scene, request));
-        request.chunkTriangles = 3;
+        request.knobs.chunkTriangles = 3;
         EXPECT_THROW(renderGpu(device(), scene, request), Error) << "the pixel that is shaded is not known in the first chunk";
     }
     // A sum that goes on in a second window of lights.
@@ -274,8 +274,8 @@ TEST_F(Frames, DoNotDependOnChunksAndBands) {
                 if (chunk == 500 && rows == 8 && shading != Shading::phong) continue;
                 SCOPED_TRACE(fmt::format("{}, shading {}, chunks of {}, bands of {} rows", row.name, int(shading), chunk, rows));
                 RenderRequest request = requestOf(row, shading);
-                request.chunkTriangles = chunk;
-                request.bandRows = rows;
+                request.knobs.chunkTriangles = chunk;
+                request.knobs.bandRows = rows;
                 expectSameFrame(whole, renderGpu(device(), scene, request).frame);
             }
         }
@@ -291,7 +291,7 @@ TEST_F(Frames, OfAResidentSceneDoNotDependOnBands) {
         const Frame whole = renderGpu(device(), scene, request).frame;
         for (uint32_t rows : {0u, 8u, 24u}) {
             SCOPED_TRACE(fmt::format("{}, bands of {} rows", row.name, rows));
-            request.bandRows = rows;
+            request.knobs.bandRows = rows;
             // Buffers are recycled: what the resident scene finds shall not be its own picture, or empty tiles need not be cleared.
             RenderRequest other = request;
             other.background = {0.5f, 0.125f, 0.25f};
@@ -319,8 +319,8 @@ TEST_F(Frames, DoNotDependOnChunksAndBandsOfSamples) {
         for (const auto& [chunk, rows] : {std::pair<uint64_t, uint32_t>{7, 0}, {0, 8}, {30, 24}}) {
             SCOPED_TRACE(fmt::format("{} samples, chunks of {}, bands of {} rows", samples, chunk, rows));
             RenderRequest request = requestOf(kInside, Shading::phong, samples);
-            request.chunkTriangles = chunk;
-            request.bandRows = rows;
+            request.knobs.chunkTriangles = chunk;
+            request.knobs.bandRows = rows;
             expectSameFrame(whole, renderGpu(device(), scene, request).frame);
         }
     }
@@ -334,7 +334,7 @@ TEST_F(Frames, ColourAloneIsTheSameColour) {
         const Frame all = renderGpu(device(), scene, request).frame;
         request.planes = kPlaneColour;
         for (uint64_t chunk : {0u, 7u}) {
-            request.chunkTriangles = chunk;
+            request.knobs.chunkTriangles = chunk;
             const Frame colour = renderGpu(device(), scene, request).frame;
             expectSamePlane("colour", all.width, 1, all.rgba, colour.rgba);
             EXPECT_EQ(all.coveredPixels, colour.coveredPixels);
@@ -350,7 +350,7 @@ TEST_F(Frames, DoNotDependOnTheTwinsThreadsAndBands) {
         ASSERT_GT(one.coveredPixels, 0u);
         for (uint32_t threads : {2u, 3u, 8u}) {
             request.threads = threads;
-            request.bandRows = threads * 5;
+            request.knobs.bandRows = threads * 5;
             expectSameFrame(one, renderCpu(kInside.scene(), request).frame);
         }
     }
@@ -391,7 +391,7 @@ void expectDropsNothingVisible(Device& device, const Scene& scene, const char* d
                                        [&](const Plan::Drop& d) { return d.what.find(dropped) != std::string::npos; });
         EXPECT_TRUE(named || shading == Shading::unlit) << "the plan does not name the drop";
         expectSameFrame(renderCpu(scene, request).frame, lean.frame);
-        request.keepEverything = true;
+        request.knobs.keepEverything = true;
         const RenderResult full = renderGpu(device, scene, request);
         expectSameFrame(full.frame, lean.frame, leaveOut);
         expectSameFrame(full.frame, renderCpu(scene, request).frame);
@@ -583,7 +583,7 @@ TEST_F(Metamorphic, AddingWhatIsNotSeen) {
         more.lights.push_back(dark);
         expectSameFrame(want, both(more, request));
         RenderRequest kept = request;
-        kept.keepEverything = true;
+        kept.knobs.keepEverything = true;
         expectSameFrame(want, both(more, kept));
     }
 }

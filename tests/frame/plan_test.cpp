@@ -115,7 +115,7 @@ TEST_F(PlanOf, MeshesIsWhatRuns) {
         const Scene scene = build();
         std::vector<Way> ways = waysOfMeshes();
         ways.push_back({"phong in bands", small(Shading::phong)});  // whose triangles the set-up pass cannot list
-        ways.back().request.bandRows = 9;
+        ways.back().request.knobs.bandRows = 9;
         for (const Way& way : ways) {
             const std::set<std::string> idle = walk(scene, way);
             everIdle.insert(idle.begin(), idle.end());
@@ -137,8 +137,8 @@ TEST_F(PlanOf, RaysIsWhatRuns) {
 
 TEST_F(PlanOf, APictureInChunksAndBandsIsWhatRuns) {
     for (Way way : waysOfMeshes()) {
-        way.request.chunkTriangles = 7;
-        way.request.bandRows = 9;
+        way.request.knobs.chunkTriangles = 7;
+        way.request.knobs.bandRows = 9;
         walk(soup({kWidth, kHeight}, 1, 60, 12), way);
     }
 }

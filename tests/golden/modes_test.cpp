@@ -259,8 +259,8 @@ TEST(Modes, HiddenLinesAreNotDrawnWhateverTheOrder) {
             r.wire = WireView::solid;
             const Frame frame = drawn(scene, r).frame;
             EXPECT_LT(frame.coveredPixels, all);
-            r.bandRows = 7;
-            r.chunkTriangles = 1;
+            r.knobs.bandRows = 7;
+            r.knobs.chunkTriangles = 1;
             expectSameFrame(frame, drawn(scene, r).frame);
             if (samples != 1) continue;
             std::vector<uint8_t> covered;

@@ -638,8 +638,8 @@ TEST(Extremes, Row22Resolutions) {
         if (uint64_t(size.x) * size.y > 1000000) request.planes = kPlaneColour | kPlaneTriangle;
         const RenderResult r = test::expectDeviceEqualsTwin(scene, request, fmt::format("{}x{}", size.x, size.y));
         if (uint64_t(size.x) * size.y <= 1000000) {
-            request.bandRows = std::max(1u, size.y / 3);
-            request.chunkTriangles = 100;
+            request.knobs.bandRows = std::max(1u, size.y / 3);
+            request.knobs.chunkTriangles = 100;
             test::expectSameFrames(r.frame, renderGpu(test::lavapipe(), scene, request).frame,
                                    fmt::format("{}x{} in bands and chunks", size.x, size.y));
         }

@@ -138,7 +138,7 @@ TEST_F(FillVariant, TwentyThousandLightsAreNoLimit) {
         RenderRequest request = requestOf(row, shading);
         request.planes = kEveryPlane;
         const Frame want = renderCpu(scene, request).frame;
-        request.chunkTriangles = uint32_t(std::max<size_t>(1, scene.meshes[0].triangles.size() / 3));
+        request.knobs.chunkTriangles = uint32_t(std::max<size_t>(1, scene.meshes[0].triangles.size() / 3));
         const Frame got = renderGpu(device(), scene, request).frame;
         EXPECT_EQ(want.rgba, got.rgba);
         EXPECT_EQ(want.linear, got.linear);

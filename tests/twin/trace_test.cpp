@@ -62,7 +62,7 @@ TEST_P(TraceTwin, TheListGivesTheBytesOfThePath) {
     RenderRequest request = requestOf(scene, GetParam().width, GetParam().height);
     const RenderResult path = renderGpu(device(), scene, request);
     for (const uint32_t limit : {1u, 2u, 100u}) {
-        request.rayLimit = limit;
+        request.knobs.rayLimit = limit;
         const RenderResult list = renderGpu(device(), scene, request);
         SCOPED_TRACE(fmt::format("{} rays a dispatch", limit));
         expectSameFrame(path.frame, list.frame);
@@ -77,7 +77,7 @@ TEST_P(TraceTwin, SamplesBandsAndShallowDepthsToo) {
         for (const uint32_t depth : {1u, 2u}) {
             request.samples = samples;
             request.maxDepth = depth;
-            request.bandRows = depth == 1 ? 5 : 0;
+            request.knobs.bandRows = depth == 1 ? 5 : 0;
             request.minWeight = depth == 2 ? 0.25f : 0.0f;
             request.transparent = depth == 2;
             SCOPED_TRACE(fmt::format("{} samples, depth {}", samples, depth));
@@ -189,12 +189,12 @@ TEST_P(SamplingTwin, LeavesTheSameBytesAndCounts) {
     expectSameFrame(twin.frame, onDevice.frame);
     expectSameCounts(twin.counters, onDevice.counters);
     EXPECT_EQ(twin.counters.refinedPixels, onDevice.counters.refinedPixels);
-    request.bandRows = 4;
+    request.knobs.bandRows = 4;
     const RenderResult bands = renderGpu(device(), scene, request);
     expectSameFrame(twin.frame, bands.frame);
     expectSameCounts(twin.counters, bands.counters);
     if (request.rays.cutLevels) return;
-    request.rayLimit = 1;
+    request.knobs.rayLimit = 1;
     const RenderResult list = renderGpu(device(), scene, request);
     expectSameFrame(twin.frame, list.frame);
     expectSameCounts(twin.counters, list.counters);

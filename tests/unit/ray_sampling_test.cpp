@@ -101,7 +101,7 @@ TEST(Sampling, CornersAreSharedByFourPixels) {
     const RenderResult shared = renderCpu(mirrors(), request);
     EXPECT_EQ(rays(shared), uint64_t(request.width + 1) * (request.height + 1));
     for (const uint32_t rows : {1u, 7u}) {
-        request.bandRows = rows;
+        request.knobs.bandRows = rows;
         const RenderResult bands = renderCpu(mirrors(), request);
         EXPECT_EQ(bands.frame.rgba, shared.frame.rgba) << rows;
         EXPECT_EQ(bands.frame.linear, shared.frame.linear) << rows;
@@ -109,7 +109,7 @@ TEST(Sampling, CornersAreSharedByFourPixels) {
     }
     // Against the picture with a ray at the corner of every pixel, and that of pixels to the right and below.
     Scene scene = mirrors();
-    request.bandRows = 0;
+    request.knobs.bandRows = 0;
     request.rays.sampling = Sampling::notes;
     const RenderResult lowerRight = renderCpu(scene, request);
     for (uint32_t y = 1; y < request.height; ++y)
@@ -142,7 +142,7 @@ TEST(Sampling, WhereCornersDifferThereAreTheSixteenSamples) {
     EXPECT_GT(coarse, 0u);
     EXPECT_GE(adaptive.counters.refinedPixels, fine);
     EXPECT_EQ(rays(adaptive), uint64_t(request.width + 1) * (request.height + 1) + 16 * adaptive.counters.refinedPixels);
-    request.bandRows = 5;
+    request.knobs.bandRows = 5;
     const RenderResult bands = renderCpu(scene, request);
     EXPECT_EQ(bands.frame.rgba, adaptive.frame.rgba);
     EXPECT_EQ(rays(bands), rays(adaptive));
@@ -170,9 +170,9 @@ TEST(Sampling, NoiseIsTheSeedsAndNothingElses) {
         EXPECT_NE(noisy.rgba, plain.rgba);
         EXPECT_EQ(renderCpu(scene, request).frame.linear, noisy.linear);
         request.threads = 1;
-        request.bandRows = 3;
+        request.knobs.bandRows = 3;
         EXPECT_EQ(renderCpu(scene, request).frame.linear, noisy.linear) << "neither threads nor bands matter";
-        request.threads = request.bandRows = 0;
+        request.threads = request.knobs.bandRows = 0;
         request.rays.seed = 10;
         EXPECT_NE(renderCpu(scene, request).frame.linear, noisy.linear);
     }

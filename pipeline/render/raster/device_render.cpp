@@ -51,7 +51,7 @@ bool DeviceRender::draw() {
     const DrawList& list = p_.list;
     const int height = list.frame.height;
     int bandRows = int(frame_.bandRowsInPlace());
-    if (request_.bandRows) bandRows = std::min(bandRows, int((request_.bandRows + 7) / 8 * 8));
+    if (request_.knobs.bandRows) bandRows = std::min(bandRows, int((request_.knobs.bandRows + 7) / 8 * 8));
     if (bandRows == 0 || list.triangles.size() > chunkTriangles(0)) return false;
     counters_ = p_.counters;
     counters_.chunks = 1;
@@ -80,7 +80,7 @@ bool DeviceRender::draw() {
 
 uint64_t DeviceRender::chunkTriangles(uint32_t planes) const {
     const uint64_t most = frame_.fitsWhole(planes) ? std::max<uint64_t>(1, p_.list.triangles.size()) : frame_.chunkTriangles();
-    return request_.chunkTriangles ? std::min<uint64_t>(most, request_.chunkTriangles) : most;
+    return request_.knobs.chunkTriangles ? std::min<uint64_t>(most, request_.knobs.chunkTriangles) : most;
 }
 
 ResidentScene::Picture DeviceRender::pixels() const { return {frame_.colourWords().data(), p_.width, p_.height, frame_.rowPixels()}; }
@@ -119,7 +119,7 @@ void DeviceRender::drawBands(PlaneWriter& writer, Frame& out, uint32_t planes, u
     const uint32_t chunks = uint32_t((list.triangles.size() + chunkSize - 1) / chunkSize);
     if (chunks > 1) planes |= gpu::kFillPlaneZ;
     uint32_t bandRows = frame_.bandRows(planes);
-    if (request_.bandRows) bandRows = std::min(bandRows, (request_.bandRows * p_.side + 7) / 8 * 8);
+    if (request_.knobs.bandRows) bandRows = std::min(bandRows, (request_.knobs.bandRows * p_.side + 7) / 8 * 8);
     DrawList part;
     for (uint32_t firstRow = 0; firstRow < height; firstRow += bandRows) {
         gpu::FrameBox band = list.frame;

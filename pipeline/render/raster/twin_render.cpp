@@ -68,7 +68,7 @@ private:
     uint32_t rowsOfBand() const {
         const uint32_t side = p_.side;
         uint32_t rows = uint32_t(std::max<uint64_t>(side, kTwinBandSamples / uint64_t(p_.list.frame.width) / side * side));
-        if (request_.bandRows) rows = request_.bandRows * side;
+        if (request_.knobs.bandRows) rows = request_.knobs.bandRows * side;
         rows += p_.choices.coarse ? rows % 2 : 0;  // 2 x 2 pixels lie in one band
         return std::min(rows, uint32_t(p_.list.frame.height));
     }

@@ -55,7 +55,7 @@ std::string meaningOf(const Rows& rows, const Value& value) {
 void planChoices(const RenderRequest& request, Plan& plan) {
     const RayChoices& rays = request.rays;
     const auto by = [](const std::string& who) { return who.empty() ? "" : fmt::format(" (stated by {})", who); };
-    const RenderRequest::StatedBy& stated = request.statedBy;
+    const Stated& stated = request.stated;
     if (rays.sampling != RayChoices::Sampling::grid || !stated.sampling.empty())
         plan.choices.push_back(fmt::format("sampling {}{}", meaningOf(kSamplings, rays.sampling), by(stated.sampling)));
     for (const auto& [name, amount] : {std::pair("reflected rays", rays.jitterReflect), std::pair("refracted rays", rays.jitterRefract),

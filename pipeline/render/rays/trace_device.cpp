@@ -75,7 +75,7 @@ private:
         const uint64_t sampleRows = bandWords_ / (uint64_t(push_.rowWords) * std::max(1u, slots_));
         if (sampleRows < grid_.side) throw renderError("a row of the picture exceeds the device's buffers");
         const uint64_t rows = (sampleRows - grid_.overlap()) / grid_.stride;
-        return request_.bandRows ? std::min<uint64_t>(rows, request_.bandRows) : rows;
+        return request_.knobs.bandRows ? std::min<uint64_t>(rows, request_.knobs.bandRows) : rows;
     }
 
     void countRays() {

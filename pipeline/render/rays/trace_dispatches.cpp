@@ -56,7 +56,7 @@ void TraceDispatches::chooseForm(const Scene& scene) {
                                                  push_.maxDepth, steps, kLoopLimit));
     if (choices_.list) {
         push_.rayLimit = uint32_t(std::clamp<uint64_t>(kLoopLimit / steps, 1, kListedRaysPerDispatch));
-        if (request_.rayLimit) push_.rayLimit = std::min(push_.rayLimit, request_.rayLimit);
+        if (request_.knobs.rayLimit) push_.rayLimit = std::min(push_.rayLimit, request_.knobs.rayLimit);
     }
     // A ray opens some hundred nodes of a tree, a node costs as much as an object.
     const uint64_t work = steps + (traced_.nodes.empty() ? 0 : kUsualNodes * (1 + traced_.lights.size()));

@@ -58,7 +58,7 @@ public:
 
     void draw() {
         uint32_t bandRows = uint32_t(std::max<uint64_t>(1, kTwinBandSamples / grid_.width / grid_.stride));
-        if (request_.bandRows) bandRows = request_.bandRows;
+        if (request_.knobs.bandRows) bandRows = request_.knobs.bandRows;
         for (uint32_t first = 0; first < p_.height; first += bandRows) {
             reportTrace(request_, double(first) / p_.height);
             band(first, std::min(bandRows, p_.height - first));

@@ -199,7 +199,7 @@ TraceScene traceSceneOf(const Scene& scene, const Prepared& prepared) { return R
 TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, const Prepared& prepared, const TraceScene& traced) {
     TraceChoices c;
     c.encoding = prepared.choices.encoding;
-    c.list = traced.branching || request.rayLimit != 0;
+    c.list = traced.branching || request.knobs.rayLimit != 0;
     c.sampling = sampleGridOf(prepared, request).sampling;
     c.side = prepared.side;
     c.jitterMirror = request.rays.jitterReflect;
@@ -209,8 +209,8 @@ TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, co
     if (c.cutLevels && traced.branching)
         throw inputError(scene.path, "a material both reflects and refracts; --levels cut is of paths with one ray after another");
     c.shadows = scene.shadows;
-    c.parts.specular = request.keepEverything;
-    c.parts.point = request.keepEverything;
+    c.parts.specular = request.knobs.keepEverything;
+    c.parts.point = request.knobs.keepEverything;
     for (const gpu::TraceMaterial& m : traced.materials) c.parts.specular |= m.specular.x + m.specular.y + m.specular.z > 0;
     for (const gpu::LightRecord& l : traced.lights) c.parts.point |= l.kind != 0;
     return c;

@@ -127,10 +127,10 @@ std::vector<uint32_t> ownersGpu(Device& device, const Prepared& p, const RenderR
     // A pixel of the surfaces has two words, and a band the rows beside it.
     const uint64_t fitting = std::min(limits.storageRangeBytes / (surfaces.empty() ? 4 : 8), limits.texelElements) / pitch;
     uint64_t bandRows = surfaces.empty() ? std::max<uint64_t>(1, fitting) : std::max<uint64_t>(3, fitting) - 2;
-    if (request.bandRows) bandRows = std::min<uint64_t>(bandRows, request.bandRows);
+    if (request.knobs.bandRows) bandRows = std::min<uint64_t>(bandRows, request.knobs.bandRows);
     // Edges in chunks, each with the vertices that its edges name.
     uint64_t chunkEdges = std::max<uint64_t>(1, std::min(limits.storageRangeBytes / 32, limits.texelElements / 2));
-    if (request.chunkTriangles) chunkEdges = std::min(chunkEdges, request.chunkTriangles);
+    if (request.knobs.chunkTriangles) chunkEdges = std::min(chunkEdges, request.knobs.chunkTriangles);
     for (uint64_t firstRow = 0; firstRow < uint64_t(p.list.frame.height); firstRow += bandRows) {
         const uint64_t rows = std::min(bandRows, uint64_t(p.list.frame.height) - firstRow);
         Buffer<uint32_t> owners(device, rows * pitch, "edge owners");
