@@ -4,7 +4,7 @@
 
 The order (a room may include itself and what stands before it):
 
-    shaders/shared < host < transform < choices < scene < passes < render < truth < measure, bench, image < compare, report < cli < command < tests
+    shaders/shared < host < transform < choices < scene < passes < render < truth < measure, bench, image < library, compare, report < cli < command < tests
 
 Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
 render/ strings together. cli/ stands late and may include choices/ and scene/ only: it turns words into a request and knows nothing of passes;
@@ -48,6 +48,8 @@ ROOMS = {
         ["pipeline/measure", "pipeline/truth", "pipeline/render", "pipeline/scene", "pipeline/choices", "host/error.h"], ["glm", "fmt"]),
     "pipeline/image": ("a picture as a file: PNG, EXR, NPY, eyes side by side, inks",
         ["pipeline/image", "pipeline/render", "pipeline/scene", "pipeline/passes/parallel.h", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
+    "pipeline/library": ("the library's front door: a renderer that chooses and falls back, a picture that saves itself, a scene from a file",
+        ["pipeline/library", "pipeline/image", "pipeline/render", "pipeline/scene", "pipeline/choices", "host/device.h", "host/error.h"], ["glm", "fmt"]),
     "pipeline/compare": ("two pictures from files: every measure, gates, heat map",
         ["pipeline/compare", "pipeline/image", "pipeline/render/frame.h", "pipeline/passes/parallel.h", "pipeline/scene", "host/error.h"],
         ["png", "exr", "fmt"]),

@@ -353,7 +353,7 @@ Exit benchCommand(const Options& options) {
         throw usageError(fmt::format("bench: '{}' is refused; accepted: raster, passes, matrix, claims, trace", printable(what)));
     const std::vector<std::string> rows(options.inputs.begin() + 1, options.inputs.end());
     if (what == "matrix" && options.size) throw usageError("--size is of `plumb bench raster`, `passes`, `claims` and `trace`");
-    Renderer renderer(options);
+    Renderer renderer(deviceRequestOf(options));
     if (renderer.device() == nullptr) {
         std::string why = renderer.choice().reason;
         for (const std::string& fallback : renderer.fallbacks()) why += fmt::format("; {}", fallback);

@@ -6,8 +6,8 @@
 #include "pipeline/cli/options.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/command/interrupt.h"
-#include "pipeline/command/renderer.h"
 #include "pipeline/command/report.h"
+#include "pipeline/library/renderer.h"
 
 #include <cstdlib>
 #include <functional>
@@ -26,7 +26,7 @@ inline Json benchContextJson(const Renderer& renderer) {
     json["host"] = hostJson();
     double load[3] = {0, 0, 0};
     if (::getloadavg(load, 3) == 3) json["host"]["load"] = {load[0], load[1], load[2]};
-    json["device"] = renderer.json();
+    json["device"] = deviceJson(renderer);
     return json;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // plumb devices: the devices found, the one that would be picked and why not the others, and the self-test of each.
 #include "pipeline/command/command.h"
-#include "pipeline/command/renderer.h"
+#include "pipeline/command/request.h"
 #include "pipeline/scene/text.h"
 
 #include <fmt/core.h>

@@ -78,7 +78,7 @@ Exit measureCommand(const Options& options) {
     scene.camera = views[0].camera;
     scene.lights = views[0].lights;
 
-    Renderer renderer(options);
+    Renderer renderer(deviceRequestOf(options));
     if (!renderer.choice().advice.empty()) say(options, fmt::format("plumb: {}\n{}", renderer.choice().reason, renderer.choice().advice));
     for (const std::string& fallback : renderer.fallbacks()) tell(fmt::format("plumb: {}", fallback));
     plan.deviceThere = renderer.device() != nullptr;

@@ -145,7 +145,7 @@ Json contextJson(const Renderer& renderer, const Scene& scene, const std::vector
                  const Measurement& m, const LoadAverages& loadBefore, const LoadAverages& loadAfter) {
     const Json host = hostJson(), tool = toolJson();
     Json json;
-    json["device"] = renderer.json();
+    json["device"] = deviceJson(renderer);
     json["cpu"] = host["cpu_model"];
     json["threads"] = host["threads"];
     json["load"] = loadJson(loadBefore);

@@ -82,7 +82,7 @@ Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector
     Json json;
     json["tool"] = toolJson();
     json["host"] = hostJson();
-    json["device"] = renderer.json();
+    json["device"] = deviceJson(renderer);
     json["fallback"] = renderer.fallbacks();
     json["scene"] = sceneJson(scene, sources);
     json["view"] = view.name;

@@ -2,7 +2,7 @@
 // What a picture of `plumb render` says about itself: in its file, in the report of --json, in --explain and in the line for people.
 #pragma once
 
-#include "pipeline/command/renderer.h"
+#include "pipeline/library/renderer.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/stereo.h"
 #include "pipeline/command/views.h"

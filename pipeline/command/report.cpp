@@ -196,4 +196,41 @@ Json memoryJson(const Renderer& renderer) {
     return {{"peak_bytes", uint64_t(usage.ru_maxrss) * 1024}, {"device_peak_bytes", renderer.devicePeakBytes()}};
 }
 
+Json deviceJson(const Renderer& renderer) {
+    Json json;
+    if (renderer.device() == nullptr) {
+        json["name"] = "CPU twin";
+        json["type"] = "twin";
+    } else {
+        const Device& device = *renderer.device();
+        const DeviceInfo& info = device.info();
+        const DeviceLimits& limits = device.limits();
+        const SelfTest& test = device.selfTest();
+        json["name"] = info.name;
+        json["type"] = info.type;
+        json["driver"] = info.driver;
+        json["driverInfo"] = info.driverInfo;
+        json["api"] = info.apiVersion;
+        json["uuid"] = info.uuid;
+        json["index"] = info.index;
+        json["lavapipe"] = info.lavapipe;
+        json["limits"] = {{"storageRangeBytes", limits.storageRangeBytes},
+                          {"texelElements", limits.texelElements},
+                          {"groupCount", limits.groupCount},
+                          {"allocationBytes", limits.allocationBytes},
+                          {"groupInvocations", limits.groupInvocations},
+                          {"subgroupSize", limits.subgroupSize},
+                          {"memoryBudgetBytes", device.memoryBudgetBytes()}};
+        json["selfTest"] = {{"passed", test.failure.empty()},
+                            {"fromCache", test.fromCache},
+                            {"time_ms", test.timeMs},
+                            {"nativeDivideIsExact", test.nativeDivideIsExact},
+                            {"nativeRootIsExact", test.nativeRootIsExact},
+                            {"loopLimit", test.loopLimit}};
+    }
+    json["reason"] = renderer.choice().reason;
+    json["notChosen"] = renderer.choice().notChosen;
+    return json;
+}
+
 }  // namespace plumb

@@ -2,7 +2,8 @@
 // Common parts of reports. Keys are stable; docs/outputs.md lists them.
 #pragma once
 
-#include "pipeline/command/renderer.h"
+#include "pipeline/command/command.h"
+#include "pipeline/library/renderer.h"
 #include "pipeline/scene/load.h"
 
 #include <cstdint>
@@ -38,5 +39,6 @@ Json countersJson(const RenderCounters&);
 Json cameraJson(const Camera&);
 Json imageJson(const Frame&, const FrameFacts&, bool blank);
 Json memoryJson(const Renderer&);
+Json deviceJson(const Renderer&);
 
 }  // namespace plumb

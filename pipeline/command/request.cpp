@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/command/request.h"
 
+#include "host/error.h"
 #include "pipeline/command/interrupt.h"
+#include "pipeline/library/open_scene.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -30,12 +32,14 @@ uint32_t byteFromLinear(float linear, Encoding encoding) {
 
 // Stated, or what the scene asks for; what is stated of a raster shading keeps the raster.
 void chooseShading(const Options& options, const Scene& scene, RenderRequest& request) {
-    request.shading = options.shading.value_or(scene.shading.value_or(Shading::phong));
-    if (options.shading || scene.shading) return;
-    const std::string asked = raysAskedBy(scene);
-    if (asked.empty() || request.fill == Fill::notes || (!onlyRaysDraw(scene) && !options.traded.empty())) return;
-    request.shading = Shading::ray;
-    request.stated.shading = fmt::format("shading ray: {}; --shading overrides", asked);
+    std::string& asked = request.stated.shading;
+    asked.clear();
+    request.shading = options.shading ? *options.shading : shadingFor(scene, request.fill, asked);
+    if (asked.empty()) return;
+    asked += "; --shading overrides";
+    if (onlyRaysDraw(scene) || options.traded.empty()) return;
+    request.shading = Shading::phong;
+    asked.clear();
 }
 
 // The flag, or else the scene.
@@ -59,6 +63,7 @@ void rayChoices(const Options& options, const Scene& scene, RenderRequest& reque
     const bool traced = request.shading == Shading::ray;
     for (const auto& [flag, given] : flags)
         if (given && !traced) throw usageError(fmt::format("{} goes with --shading ray", flag));
+    request.rays = {};
     if (!traced) return;
     RayChoices& rays = request.rays;
     Stated& by = request.stated;
@@ -100,23 +105,30 @@ LoadOptions loadOptionsOf(const Options& options, Progress* progress, double fro
     return load;
 }
 
+DeviceRequest deviceRequestOf(const Options& options) {
+    DeviceRequest request;
+    request.prefer = options.device;
+    request.require = options.requireDevice;
+    request.memoryBudgetBytes = options.memoryBytes;
+    return request;
+}
+
 RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 size) {
-    RenderRequest request;
+    RenderRequest request = requestFor(scene);
     request.width = size.x;
     request.height = size.y;
-    request.fill = options.fill.value_or(scene.fill.value_or(Fill::exact));
+    request.fill = options.fill.value_or(request.fill);
     chooseShading(options, scene, request);
-    request.wire = options.wire.value_or(scene.wire.value_or(WireView::seeThrough));
-    request.wirePerPolygon = options.wirePerPolygon.value_or(scene.wirePerPolygon.value_or(false));
+    request.wire = options.wire.value_or(request.wire);
+    request.wirePerPolygon = options.wirePerPolygon.value_or(request.wirePerPolygon);
     if (request.shading != Shading::wire && (options.wire || options.wirePerPolygon))
         throw usageError("--wire and --edges go with --shading wire");
-    request.distantViewer = options.distantViewer.value_or(scene.distantViewer.value_or(false));
-    request.maxDepth = options.maxDepth.value_or(scene.maxDepth);
-    request.minWeight = float(options.minWeight.value_or(scene.minWeight));
+    request.distantViewer = options.distantViewer.value_or(request.distantViewer);
+    request.maxDepth = options.maxDepth.value_or(request.maxDepth);
+    if (options.minWeight) request.minWeight = float(*options.minWeight);
     rayChoices(options, scene, request);
-    request.encoding = options.encoding.value_or(scene.encoding.value_or(Encoding::srgb));
+    request.encoding = options.encoding.value_or(request.encoding);
     request.samples = options.samples;
-    request.background = scene.background.value_or(glm::vec3(0));
     if (options.background) {
         request.transparent = options.background->transparent;
         for (int c = 0; c < 3; ++c)

@@ -6,8 +6,9 @@
 // separation * (1/w - 1/focus).
 #pragma once
 
-#include "pipeline/command/renderer.h"
+#include "pipeline/command/command.h"
 #include "pipeline/command/views.h"
+#include "pipeline/library/renderer.h"
 
 #include <cstdint>
 #include <glm/glm.hpp>

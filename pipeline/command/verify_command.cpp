@@ -262,7 +262,7 @@ private:
 Exit verifyCommand(const Options& options) {
     const auto start = std::chrono::steady_clock::now();
     refuseOutput(options);
-    Renderer renderer(options);
+    Renderer renderer(deviceRequestOf(options));
     refuseTwinAlone(renderer);
     if (options.verbose != 0) say(options, fmt::format("device: {}", renderer.choice().reason));
     return Checks(options, renderer, start).make();

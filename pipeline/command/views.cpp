@@ -2,7 +2,9 @@
 #include "pipeline/command/views.h"
 
 #include "host/error.h"
+#include "pipeline/library/open_scene.h"
 #include "pipeline/scene/load.h"
+#include "pipeline/scene/look_at.h"
 #include "pipeline/scene/text.h"
 
 #include <fmt/core.h>
@@ -14,19 +16,6 @@
 
 namespace plumb {
 namespace {
-
-// An orthonormal frame that looks along `forward`. Where `up` is parallel to it (a view from the top), -Z is up in the
-// picture, as on a map; and where that is parallel as well, +Y.
-void orient(Camera& camera, const glm::dvec3& forward, const glm::dvec3& up, bool leftHanded) {
-    camera.forward = glm::normalize(forward);
-    for (const glm::dvec3& candidate : {up, glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0)}) {
-        const glm::dvec3 right = leftHanded ? glm::cross(candidate, camera.forward) : glm::cross(camera.forward, candidate);
-        if (glm::length(right) <= 1e-9 * glm::length(candidate)) continue;
-        camera.right = glm::normalize(right);
-        camera.up = leftHanded ? glm::cross(camera.forward, camera.right) : glm::cross(camera.right, camera.forward);
-        return;
-    }
-}
 
 void applyFlags(Camera& camera, const Scene& scene, const Options& options) {
     if (options.eye || options.at) {
@@ -58,10 +47,7 @@ Camera turned(Camera camera, const glm::dvec3& up, double angle) {
 
 }  // namespace
 
-glm::uvec2 sizeOf(const Scene& scene, const Options& options) {
-    if (options.size) return *options.size;
-    return scene.size.x != 0 && scene.size.y != 0 ? scene.size : glm::uvec2(640, 480);
-}
+glm::uvec2 sizeOf(const Scene& scene, const Options& options) { return options.size.value_or(sizeFor(scene)); }
 
 std::vector<Viewpoint> viewsOf(Scene& scene, glm::uvec2 size, const Options& options, bool bareMesh) {
     if (options.up) scene.up = glm::normalize(*options.up);
