@@ -21,6 +21,8 @@ ALLOWED = {
     "scene/check_scene.cpp": "judges its entries",
     "scene/flattened.h": "asks for its linear part",
     "scene/flattened.cpp": "asks for its linear part",
+    "render/render.h": "takes it from the caller",
+    "render/resident_scene.cpp": "sets it",
     "command/info_command.cpp": "bounds as the file states them",
     "command/matrix_command.cpp": "shows the user's chain",
     "render/bounds/vertex_error.cpp": "bounds the rounding of the composite by its parts",

@@ -21,6 +21,7 @@ struct DrawList {
         uint32_t firstTriangle = 0, triangleCount = 0;
         uint32_t firstFace = 0, faceCount = 0;
         uint32_t firstEdge = 0, edgeCount = 0;
+        bool turned = false;  // its triangles are listed in the other order than in the mesh
     };
     std::vector<Range> ranges;
     std::vector<gpu::ObjectRecord> objects;

@@ -96,7 +96,8 @@ bool outsideView(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh, cons
     return false;
 }
 
-void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double focal, const std::string& place) {
+// False for what is further from the eye than the passes count.
+bool reaches(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double focal) {
     const auto reach = [&](const glm::vec4& row) {
         double sum = std::abs(double(row.w));
         for (int i = 0; i < 3; ++i) sum += std::abs(double(row[i])) * std::max(std::abs(mesh.boundsMin[i]), std::abs(mesh.boundsMax[i]));
@@ -104,10 +105,7 @@ void checkReach(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double foc
     };
     bool near = reach(o.rowX) <= kFarthest * focal && reach(o.rowY) <= kFarthest * focal;
     for (const glm::vec4& row : {o.rowW, o.world0, o.world1, o.world2}) near &= reach(row) <= kFarthest;
-    if (!near)
-        throw inputError(place,
-                         "it reaches further from the eye than 2^60 times the near plane: move the object or the camera, or change the "
-                         "scale or the near plane");
+    return near;
 }
 
 // A point light as the framed centre sees it: one direction, and what reaches that place.
@@ -129,19 +127,54 @@ Light lampFromCentre(const Light& light, const Camera& camera) {
 ListBuilder::ListBuilder(const Scene& scene, const RenderRequest& request, const Pinhole& view, Prepared& prepared)
     : scene_(scene), request_(request), view_(view), p_(prepared), list_(prepared.list), slots_(scene.materials.size(), kNone) {}
 
-void ListBuilder::addObjects() {
+bool ListBuilder::isOutside(const Object& object) const {
+    return outsideView(scene_.meshes[object.mesh], worldFromMesh(scene_, object), view_);
+}
+
+// Front faces run counter-clockwise as seen in a right-handed world, clockwise in a left-handed one; a mirror swaps.
+bool ListBuilder::isTurned(const glm::dmat4& worldFromMesh) const { return scene_.leftHanded != mirrors(worldFromMesh); }
+
+void ListBuilder::addObjects(bool keepOutside) {
+    uint64_t inside = 0;
     for (uint32_t i = 0; i < scene_.objects.size(); ++i) {
         const Object& object = scene_.objects[i];
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         p_.counters.vertices += mesh.positions.size();
         p_.counters.triangles += mesh.triangles.size();
-        if (!request_.knobs.keepEverything && outsideView(mesh, worldFromMesh(scene_, object), view_))
+        const bool outside = !request_.knobs.keepEverything && isOutside(object);
+        if (!outside) ++inside;
+        if (outside && !(keepOutside && reaches(recordOf(worldFromMesh(scene_, object), view_), mesh, view_.focal)))
             p_.plan.dropped.push_back(
                 {fmt::format("object {}", object.name.empty() ? std::to_string(i) : object.name), "outside the view"});
         else
             addObject(i);
     }
-    p_.counters.objectsDrawn = list_.ranges.size();
+    p_.counters.objectsDrawn = inside;
+}
+
+bool ListBuilder::placeObjects() {
+    // The index of a triangle over the whole scene counts the objects of the list, which then are those of the view.
+    const bool exactly = request_.planes & kPlaneTriangle;
+    std::vector<bool> listed(scene_.objects.size()), outside(scene_.objects.size());
+    for (const DrawList::Range& r : list_.ranges) listed[r.sceneObject] = true;
+    for (size_t i = 0; i < listed.size(); ++i) {
+        outside[i] = isOutside(scene_.objects[i]);
+        const bool missing = !outside[i] && !listed[i], needless = outside[i] && listed[i];
+        if (missing || (needless && exactly)) return false;
+    }
+    p_.counters.objectsDrawn = uint64_t(std::count(outside.begin(), outside.end(), false));
+    list_.facePlaces.clear();
+    for (const DrawList::Range& r : list_.ranges) {
+        const Object& object = scene_.objects[r.sceneObject];
+        const TriangleMesh& mesh = scene_.meshes[object.mesh];
+        const glm::dmat4 toWorld = worldFromMesh(scene_, object);
+        if (isTurned(toWorld) != r.turned) return false;
+        list_.objects[r.record] = recordOf(toWorld, view_);
+        if (list_.numbers != Numbers::fp32) list_.longs[r.record] = longRecordOf(toWorld, mesh, view_);
+        if (!reaches(list_.objects[r.record], mesh, view_.focal)) return false;
+        addPlaces(mesh, toWorld);
+    }
+    return true;
 }
 
 void ListBuilder::addSphereMaterials() {
@@ -180,11 +213,14 @@ void ListBuilder::addObject(uint32_t index) {
     const glm::dmat4 toWorld = worldFromMesh(scene_, object);
     list_.objects.push_back(recordOf(toWorld, view_));
     if (list_.numbers != Numbers::fp32) list_.longs.push_back(longRecordOf(toWorld, mesh, view_));
-    checkReach(list_.objects.back(), mesh, view_.focal, placeOfPart(object.place, scene_.path, "object", object.name));
+    if (!reaches(list_.objects.back(), mesh, view_.focal))
+        throw inputError(placeOfPart(object.place, scene_.path, "object", object.name),
+                         "it reaches further from the eye than 2^60 times the near plane: move the object or the camera, or change the "
+                         "scale or the near plane");
     addStreams(mesh);
-    addFaces(mesh, toWorld);
-    // Front faces run counter-clockwise as seen in a right-handed world, clockwise in a left-handed one; a mirror swaps.
-    const bool swap = scene_.leftHanded != mirrors(toWorld);
+    addFaces(mesh);
+    addPlaces(mesh, toWorld);
+    const bool swap = r.turned = isTurned(toWorld);
     for (const TriangleMesh::Triangle& t : mesh.triangles) {
         list_.triangles.emplace_back(r.firstVertex + t.vertex[0], r.firstVertex + t.vertex[swap ? 2 : 1],
                                      r.firstVertex + t.vertex[swap ? 1 : 2], slotOf(mesh.faceMaterial[t.face]));
@@ -201,15 +237,20 @@ void ListBuilder::addStreams(const TriangleMesh& mesh) {
     }
 }
 
-void ListBuilder::addFaces(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh) {
-    const glm::dmat4 viewed = view_.viewedFromMesh(worldFromMesh);
+void ListBuilder::addFaces(const TriangleMesh& mesh) {
     for (size_t f = 0; f < mesh.faceCentre.size(); ++f) {
         list_.facePositions.emplace_back(mesh.faceCentre[f], 1.0f);
         list_.faceNormals.emplace_back(mesh.faceNormal[f], 0.0f);
         list_.faceMaterial.push_back(slotOf(mesh.faceMaterial[f]));
         list_.facePrimitive.push_back(uint32_t(f));
-        if (request_.trade.vectors != Trade::Vectors::face) continue;
-        glm::vec4 place(viewed * glm::dvec4(mesh.faceCentre[f], 1));
+    }
+}
+
+void ListBuilder::addPlaces(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh) {
+    if (request_.trade.vectors != Trade::Vectors::face) return;
+    const glm::dmat4 viewed = view_.viewedFromMesh(worldFromMesh);
+    for (const glm::vec3& centre : mesh.faceCentre) {
+        glm::vec4 place(viewed * glm::dvec4(centre, 1));
         for (int i = 0; i < 3; ++i)
             if (std::abs(place[i]) < std::numeric_limits<float>::min()) place[i] = 0;
         list_.facePlaces.push_back(place);

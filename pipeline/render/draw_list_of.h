@@ -16,8 +16,11 @@ class ListBuilder {
 public:
     ListBuilder(const Scene& scene, const RenderRequest& request, const Pinhole& view, Prepared& prepared);
 
-    // Every object with a part inside the view (with keepEverything: every object), and the counters of objects, vertices and triangles.
-    void addObjects();
+    // Every object with a part inside the view, and the counters of objects, vertices and triangles. keepEverything: every object. `keepOutside`:
+    // every object that the passes can count with, for other cameras.
+    void addObjects(bool keepOutside = false);
+    // Places the objects of the list anew, for the scene's camera and matrices as they are. False: the list is not that of this view.
+    bool placeObjects();
     // The materials of the scene's spheres.
     void addSphereMaterials();
     void addLights();
@@ -25,7 +28,10 @@ public:
 private:
     void addObject(uint32_t index);
     void addStreams(const TriangleMesh& mesh);
-    void addFaces(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh);
+    void addFaces(const TriangleMesh& mesh);
+    void addPlaces(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh);
+    bool isOutside(const Object& object) const;
+    bool isTurned(const glm::dmat4& worldFromMesh) const;
     void addLight(const Light& stated);
     uint32_t slotOf(uint32_t material);  // of the list's materials, appended when it is met first
 

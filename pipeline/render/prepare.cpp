@@ -7,6 +7,7 @@
 #include "pipeline/scene/text.h"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -111,6 +112,20 @@ std::string firstShapePlace(const Scene& scene) {
 void refuseShapes(const Scene& scene) {
     if (onlyRaysDraw(scene))
         throw inputError(firstShapePlace(scene), "it has spheres or planes, which only --shading ray draws, spheres --fill notes too");
+}
+
+bool placeAgain(const Scene& scene, const RenderRequest& request, Prepared& p) {
+    const Pinhole view = viewOf(scene, request);
+    setCanvas(view, request, p);
+    ListBuilder list(scene, request, view, p);
+    if (!list.placeObjects()) return false;
+    if (p.list.lights.empty()) return true;
+    const std::vector<gpu::LightRecord> before = std::exchange(p.list.lights, {});
+    const size_t dropped = p.plan.dropped.size();
+    list.addLights();
+    p.plan.dropped.resize(dropped);  // lights without intensity are stated there already
+    return std::equal(before.begin(), before.end(), p.list.lights.begin(), p.list.lights.end(),
+                      [](const gpu::LightRecord& a, const gpu::LightRecord& b) { return a.kind == b.kind; });
 }
 
 Preparing::Preparing(const Scene& stated, const RenderRequest& asked, uint32_t shading)

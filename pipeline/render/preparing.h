@@ -20,6 +20,10 @@ void refuseShapes(const Scene& scene);     // spheres and planes
 // Where the first of the spheres and planes is stated.
 std::string firstShapePlace(const Scene& scene);
 
+// Prepares anew what depends on the scene's camera and on where its objects stand. False: an object comes into view that the list does not have, the
+// front of one turns round, or a light changes its kind; `p` is then not to be drawn.
+bool placeAgain(const Scene& scene, const RenderRequest& request, Prepared& p);
+
 // A picture that is being prepared: the canvas, the camera, the background and the choices are there from the start. A way to draw adds what it takes
 // of the scene and the steps of its plan.
 class Preparing {

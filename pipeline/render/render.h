@@ -14,6 +14,8 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,7 +34,7 @@ inline constexpr int kCornerLevels = 4;  // of an encoded channel
 
 // Who stated a choice, in the words of the plan; empty: nobody. No picture depends on it.
 struct Stated {
-    std::string shading;                        // the whole sentence, where the scene asks for rays without naming them
+    std::string shading;                         // the whole sentence, where the scene asks for rays without naming them
     std::string sampling, jitter, seed, levels;  // "--seed", "the scene; --seed overrides"
 };
 
@@ -53,17 +55,17 @@ struct RenderRequest {
     Encoding encoding = Encoding::srgb;
     uint32_t samples = 1;  // 1, 4, 16: ordered grid
     Trade trade;
-    bool distantViewer = false;      // one vector toward the viewer for all points (raster shadings); --fill notes also culls by it
-    glm::vec3 background{0.0f};      // linear RGB
-    bool transparent = false;        // RGBA output, background alpha 0
-    uint32_t planes = kPlaneColour;  // Plane bits
-    uint32_t threads = 0;            // twin: 0 = all
+    bool distantViewer = false;              // one vector toward the viewer for all points (raster shadings); --fill notes also culls by it
+    glm::vec3 background{0.0f};              // linear RGB
+    bool transparent = false;                // RGBA output, background alpha 0
+    uint32_t planes = kPlaneColour;          // Plane bits
+    uint32_t threads = 0;                    // twin: 0 = all
     std::function<bool(double)> onProgress;  // 0..1; false cancels (Error(interrupted))
     double watchdogMs = 60000;
     uint32_t maxDepth = 5;  // rays one after another, 1 to 64 (traced pictures)
     float minWeight = 0;    // a ray that weighs less is not followed
     RayChoices rays;
-    bool repeated = false;  // drawn many times: kernels that take longer to make may be faster; changes no byte
+    bool repeated = false;  // drawn many times: kernels that take longer to make may be faster, objects out of view stay; changes no byte
     Stated stated;
     TestKnobs knobs;
 };
@@ -102,25 +104,34 @@ Plan planRender(const Scene&, const RenderRequest&, RunsOn side);
 RenderResult renderCpu(const Scene&, const RenderRequest&);  // the twin
 RenderResult renderGpu(Device&, const Scene&, const RenderRequest&);
 
-// A scene that stays on the device between pictures. A further picture costs its passes only: nothing is uploaded again, and buffers and
-// pipelines are kept. For whoever draws a scene more than once.
+// Where a picture is seen from, and where its objects stand.
+struct Pose {
+    std::optional<Camera> camera = {};                 // nothing: as in the last draw, at first as in the scene
+    std::span<const glm::dmat4> worldFromObject = {};  // one matrix an object, in the order of scene.objects; empty: as in the last draw
+};
+
+// A scene that stays on the device between pictures. A further picture costs its passes only: meshes are not uploaded again, and buffers and
+// pipelines are kept. For whoever draws a scene more than once. The device outlives it; the scene is copied.
 class ResidentScene {
 public:
-    // RGBA bytes in memory that the device wrote, row 0 on top, `pitch` pixels from row to row, until the next draw(). Alpha is the
-    // covered share of a pixel; where nothing is drawn it is 0 over the background.
+    // Valid until the next draw(). `pixels`: RGBA bytes, row 0 on top, `pitch` pixels from row to row. Where nothing but colour is asked for, the
+    // device wrote them, alpha is the covered share of a pixel, and where nothing is drawn it is 0 over the background.
     struct Picture {
         const uint32_t* pixels = nullptr;
         uint32_t width = 0, height = 0, pitch = 0;
+        const Frame* frame = nullptr;  // every plane that is asked for, as renderGpu draws it; null where only colour is
     };
-    // Uploads. `request` as for renderGpu; planes other than colour are not drawn. Throws as renderGpu does.
+    // Uploads. `request` as for renderGpu. Throws as renderGpu does.
     ResidentScene(Device& device, const Scene& scene, const RenderRequest& request);
     ~ResidentScene();
     ResidentScene(const ResidentScene&) = delete;
     ResidentScene& operator=(const ResidentScene&) = delete;
 
-    // A scene that needs several chunks or bands, wire frames and samples are drawn as renderGpu draws them, uploads included.
-    Picture draw();
-    bool resident() const;            // the last draw() uploaded nothing but what the passes' own host steps write
+    // Draws by the pose. As renderGpu draws them, uploads included: a scene that needs several chunks, wire frames, the polygons of the notes,
+    // and colour alone in several samples. Traced scenes are uploaded anew for a new pose. Throws Error(input) for a pose that cannot be drawn,
+    // or Error(usage) for another number of matrices; the pose then stays as it was.
+    Picture draw(const Pose& pose = {});
+    bool resident() const;            // the last draw() uploaded no mesh: only matrices, lights, and what the passes' own host steps write
     RenderCounters counters() const;  // of the last draw()
     // The passes of one picture, each submitted by itself and timed by the host (Recorder::timeApart); draws it once more.
     std::vector<PassTime> timePasses();

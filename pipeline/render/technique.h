@@ -18,10 +18,15 @@ class StageCheck;
 class ResidentPicture {
 public:
     virtual ~ResidentPicture() = default;
-    // False, and nothing is drawn: the picture needs more than stays in place (samples, several chunks).
+    // Colour alone, left where the device wrote it. False, and nothing is drawn: the picture needs more than stays in place (samples, several
+    // chunks).
     virtual bool draw() = 0;
     virtual ResidentScene::Picture pixels() const = 0;  // of the last draw()
-    virtual RenderCounters counters() const = 0;        // of the last draw()
+    // Every plane that the request asks for, into `out`. False: it needs more than stays on the device (several chunks).
+    virtual bool drawPlanes(Frame& out) = 0;
+    // Takes over what PreparedPicture::place() changed. `objects`: their matrices too, not the camera alone.
+    virtual void moved(bool objects) = 0;
+    virtual RenderCounters counters() const = 0;  // of the last draw() or drawPlanes()
     virtual Recorder& recorder() = 0;
 };
 
@@ -38,6 +43,9 @@ public:
     RenderResult draw(Device* device);
     // None: pictures of this kind do not stay on the device.
     virtual std::unique_ptr<ResidentPicture> stay(Device&) { return nullptr; }
+    // Prepares anew what depends on the scene's camera and on where its objects stand, and nothing else. False, also after an exception: the
+    // picture is not to be drawn any more, and must be prepared as a whole.
+    virtual bool place() { return false; }
     // Compares each pass of the device on the twin's input with the twin, as far as this way to draw has passes to be taken apart.
     virtual void verifyStages(Device&, StageCheck&) {}
 
@@ -47,7 +55,7 @@ protected:
 
     const Scene& scene_;
     const RenderRequest request_;
-    const Prepared p_;
+    Prepared p_;
 };
 
 // Plane bits of pictures of lines, and those that pictures of surfaces have beside them.

@@ -94,6 +94,7 @@ protected:
         for (const VerifyPlane& plane : report.planes) names.insert(plane.name);
         EXPECT_EQ(names.count("linear"), 1u);
         EXPECT_EQ(names.size(), request.shading == Shading::wire ? 5u : request.shading == Shading::ray ? 9u : 10u);
+        request.planes = kPlaneColour;
         ResidentScene resident(device(), scene, request);
         const ResidentScene::Picture picture = resident.draw();
         for (uint32_t y = 0; y < picture.height; ++y)

@@ -288,6 +288,7 @@ TEST_F(Frames, OfAResidentSceneDoNotDependOnBands) {
         RenderRequest request = requestOf(row, Shading::phong);
         request.background = {0.25f, 0.5f, 0.125f};
         request.transparent = true;
+        request.planes = kPlaneColour;
         const Frame whole = renderGpu(device(), scene, request).frame;
         for (uint32_t rows : {0u, 8u, 24u}) {
             SCOPED_TRACE(fmt::format("{}, bands of {} rows", row.name, rows));

@@ -78,6 +78,20 @@ bool DeviceRender::draw() {
     return true;
 }
 
+bool DeviceRender::drawPlanes(Frame& out) {
+    const uint32_t planes = fillPlanes(p_, request_);
+    const size_t triangles = p_.list.triangles.size();
+    if (triangles > chunkTriangles(planes)) return false;
+    counters_ = p_.counters;
+    PlaneWriter writer(p_, request_, out);
+    try {
+        drawBands(writer, out, planes, uint32_t(triangles));
+    } catch (const TooLarge&) {
+        return false;
+    }
+    return true;
+}
+
 uint64_t DeviceRender::chunkTriangles(uint32_t planes) const {
     const uint64_t most = frame_.fitsWhole(planes) ? std::max<uint64_t>(1, p_.list.triangles.size()) : frame_.chunkTriangles();
     return request_.knobs.chunkTriangles ? std::min<uint64_t>(most, request_.knobs.chunkTriangles) : most;
@@ -131,7 +145,8 @@ void DeviceRender::drawBands(PlaneWriter& writer, Frame& out, uint32_t planes, u
             if (request_.onProgress && !request_.onProgress(done_)) throw Error(Exit::interrupted, "interrupted");
             if (chunks > 1)
                 part = chunkOf(list, c * chunkSize, std::min<uint32_t>(chunkSize, uint32_t(list.triangles.size()) - c * chunkSize));
-            if (chunks > 1 || firstRow == 0) frame_.upload(chunks > 1 ? part : list);
+            if (chunks > 1 || !uploaded_) frame_.upload(chunks > 1 ? part : list);
+            uploaded_ = chunks == 1;
             if (normalsApart(planes)) drawNormals(planes, c > 0);
             if (chunks > 1 || firstRow == 0 || normalsApart(planes)) {
                 frame_.transformAndCull(false);

@@ -19,11 +19,17 @@ public:
 
     void draw(PlaneWriter& writer, RenderResult& result);
 
-    // False where every picture of this kind needs more than colour in one chunk.
-    static bool staysInPlace(const Prepared& prepared) { return prepared.side == 1 && !prepared.list.triangles.empty(); }
+    // False where no picture of this kind stays: nothing is drawn, or colour alone has several samples.
+    static bool stays(const Prepared& prepared, const RenderRequest& request) {
+        return !prepared.list.triangles.empty() && (prepared.side == 1 || request.planes != kPlaneColour);
+    }
     // Nothing but colour, in one chunk that stays on the device; false when this picture needs more than that.
     bool draw() override;
     ResidentScene::Picture pixels() const override;
+    bool drawPlanes(Frame& out) override;
+    void moved(bool objects) override {
+        if (uploaded_) frame_.uploadView(objects);
+    }
     RenderCounters counters() const override { return counters_; }
     Recorder& recorder() override { return frame_.recorder(); }
 
@@ -46,8 +52,8 @@ private:
     const Prepared& p_;
     GpuFrame frame_;
     RenderCounters counters_;
-    bool uploaded_ = false;
-    double done_ = 0;  // share of the picture, for onProgress
+    bool uploaded_ = false;  // the whole list, as one chunk
+    double done_ = 0;        // share of the picture, for onProgress
 };
 
 }  // namespace plumb

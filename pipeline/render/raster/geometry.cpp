@@ -16,24 +16,15 @@ namespace plumb {
 
 void Geometry::upload(const DrawList& chunk) {
     chunk_ = &chunk;
-    carriedNormals_ = false;
+    uploadView(true);
     put<glm::vec4>(device_, positions_, chunk.positions, "positions");
     put<glm::vec4>(device_, normals_, chunk.normals, "normals");
     put<glm::uvec4>(device_, triangles_, chunk.triangles, "triangles");
-    put<gpu::ObjectRecord>(device_, objects_, chunk.objects, "objects");
-    if (chunk.numbers != Numbers::fp32) {
-        put<gpu::LongRecord>(device_, longs_, chunk.longs, "long rows");
-        clipSpace_.reserve(device_, std::max<uint64_t>(1, chunk.positions.size()), "clip space");
-    }
+    if (chunk.numbers != Numbers::fp32) clipSpace_.reserve(device_, std::max<uint64_t>(1, chunk.positions.size()), "clip space");
     put<gpu::MaterialRecord>(device_, materials_, chunk.materials, "materials");
-    put<gpu::LightRecord>(device_, lights_, chunk.lights, "lights");
     std::vector<uint32_t> materialOf(chunk.triangles.size());
     const bool flat = prepared_.choices.shading == gpu::kShadingFlat;
     for (size_t t = 0; t < materialOf.size(); ++t) materialOf[t] = flat ? chunk.triangleFace[t] : chunk.triangles[t].w;
-    std::vector<glm::vec4> places(chunk.facePlaces.empty() ? 1 : chunk.triangles.size());
-    if (!chunk.facePlaces.empty())
-        for (size_t t = 0; t < places.size(); ++t) places[t] = chunk.facePlaces[chunk.triangleFace[t]];
-    put<glm::vec4>(device_, trianglePlaces_, places, "places of faces");
     put<uint32_t>(device_, triangleMaterial_, materialOf, "triangle materials");
     if (prepared_.choices.shading == gpu::kShadingGouraud)
         put<uint32_t>(device_, vertexMaterial_, chunk.vertexMaterial, "vertex materials");
@@ -47,6 +38,18 @@ void Geometry::upload(const DrawList& chunk) {
     screen_.reserve(device_, corners, "screen vertices");
     carried_.reserve(device_, corners, "carried values");
     records_.reserve(device_, (chunk.triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane, "cull records");
+}
+
+void Geometry::uploadView(bool objects) {
+    const DrawList& chunk = *chunk_;
+    if (objects) carriedNormals_ = false;
+    put<gpu::ObjectRecord>(device_, objects_, chunk.objects, "objects");
+    if (chunk.numbers != Numbers::fp32) put<gpu::LongRecord>(device_, longs_, chunk.longs, "long rows");
+    put<gpu::LightRecord>(device_, lights_, chunk.lights, "lights");
+    std::vector<glm::vec4> places(chunk.facePlaces.empty() ? 1 : chunk.triangles.size());
+    if (!chunk.facePlaces.empty())
+        for (size_t t = 0; t < places.size(); ++t) places[t] = chunk.facePlaces[chunk.triangleFace[t]];
+    put<glm::vec4>(device_, trianglePlaces_, places, "places of faces");
 }
 
 void Geometry::transformAndCull(bool normals) {

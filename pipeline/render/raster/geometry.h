@@ -35,6 +35,8 @@ public:
 
     // Buffers grow as needed. The chunk stays the caller's until the next one.
     void upload(const DrawList& chunk);
+    // Uploads what of the chunk depends on the camera, and on where its objects stand. `objects`: they stand elsewhere.
+    void uploadView(bool objects);
     // Runs transform, illuminate and cull. `normals`: the attributes are world normals whatever the shading (normal plane).
     void transformAndCull(bool normals);
     // The host's step: which triangles are drawn, and where. Throws TooLarge before anything is written.

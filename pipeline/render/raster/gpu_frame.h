@@ -30,6 +30,8 @@ public:
     void prepare(const FillChoices& choices, uint32_t planes) { canvas_.prepare(choices, planes); }
     // Uploads a chunk; buffers grow as needed.
     void upload(const DrawList& chunk) { geometry_.upload(chunk); }
+    // Uploads what of the chunk depends on the camera and on where its objects stand (`objects`: their matrices too).
+    void uploadView(bool objects) { geometry_.uploadView(objects); }
     void transformAndCull(bool normals) { geometry_.transformAndCull(normals); }
     // Runs the host step, set-up and clip. Throws TooLarge before anything is written. When the current band is the whole frame, small
     // triangles are binned at once.

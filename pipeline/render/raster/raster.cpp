@@ -57,7 +57,7 @@ Prepared prepareRaster(const Scene& scene, const RenderRequest& request, RunsOn 
     Preparing it(scene, request, shadingOf(request));
     it.p.list.numbers = request.trade.numbers;
     it.dropRays(raysAskedBy(scene));
-    it.list.addObjects();
+    it.list.addObjects(request.repeated && !(request.planes & kPlaneTriangle));
     it.addLights();
     it.leaveOut();
     chooseAtPixels(request.trade, it.p);
@@ -70,8 +70,9 @@ class RasterPicture : public PreparedPicture {
 public:
     using PreparedPicture::PreparedPicture;
     std::unique_ptr<ResidentPicture> stay(Device& device) override {
-        return DeviceRender::staysInPlace(p_) ? std::make_unique<DeviceRender>(device, p_, request_) : nullptr;
+        return DeviceRender::stays(p_, request_) ? std::make_unique<DeviceRender>(device, p_, request_) : nullptr;
     }
+    bool place() override { return placeAgain(scene_, request_, p_); }
     void verifyStages(Device& device, StageCheck& check) override { verifyRasterStages(device, p_, request_, check); }
 
 private:

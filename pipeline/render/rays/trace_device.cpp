@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A traced picture on the device: bands of rows, each in dispatches that stay short.
+#include "host/error.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/resolve.h"
 #include "pipeline/render/rays/trace_dispatches.h"
@@ -42,12 +43,7 @@ public:
 
     void draw(PlaneWriter& writer, RenderResult& result) {
         dispatches_.upload();
-        const uint64_t bandRows = rowsOfBand();
-        for (uint32_t first = 0; first < p_.height; first += uint32_t(bandRows)) {
-            band(first, uint32_t(std::min<uint64_t>(bandRows, p_.height - first)), writer, result.frame);
-            ++counted_.bands;
-        }
-        countRays();
+        drawBands(writer, result.frame);
         result.counters = counted_;
         result.times = recorder_.takeTimes();
     }
@@ -64,10 +60,28 @@ public:
         return true;
     }
     ResidentScene::Picture pixels() const override { return {buffers_.colours.span().data(), p_.width, p_.height, push_.rowWords}; }
+    bool drawPlanes(Frame& out) override {
+        if (!dispatches_.uploaded()) dispatches_.upload();
+        std::fill(dispatches_.counters().begin(), dispatches_.counters().end(), 0);
+        counted_ = p_.counters;
+        PlaneWriter writer(p_, request_, out);
+        drawBands(writer, out);
+        return true;
+    }
+    void moved(bool) override { PLUMB_ASSERT(!"rays meet surfaces relative to the eye: place() is false"); }
     RenderCounters counters() const override { return counted_; }
     Recorder& recorder() override { return recorder_; }
 
 private:
+    void drawBands(PlaneWriter& writer, Frame& out) {
+        const uint64_t bandRows = rowsOfBand();
+        for (uint32_t first = 0; first < p_.height; first += uint32_t(bandRows)) {
+            band(first, uint32_t(std::min<uint64_t>(bandRows, p_.height - first)), writer, out);
+            ++counted_.bands;
+        }
+        countRays();
+    }
+
     uint64_t rowsOfBand() {
         push_.rowWords = (grid_.width + 3) / 4 * 4;
         const DeviceLimits& l = device_.limits();
