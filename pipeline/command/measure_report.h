@@ -2,8 +2,8 @@
 // A measurement as JSON, CSV, a table for people and one HTML file (docs/measure.md).
 #pragma once
 
-#include "pipeline/library/renderer.h"
 #include "pipeline/command/report.h"
+#include "pipeline/library/renderer.h"
 #include "pipeline/measure/measure.h"
 
 #include <array>

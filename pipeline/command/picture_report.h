@@ -2,11 +2,11 @@
 // What a picture of `plumb render` says about itself: in its file, in the report of --json, in --explain and in the line for people.
 #pragma once
 
-#include "pipeline/library/renderer.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/stereo.h"
 #include "pipeline/command/views.h"
 #include "pipeline/image/image.h"
+#include "pipeline/library/renderer.h"
 
 #include <string>
 #include <vector>

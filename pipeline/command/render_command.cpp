@@ -392,8 +392,8 @@ Exit renderCommand(const Options& options) {
     refuseOutput(options);
     // Opening a device costs more than loading a small scene, and neither needs the other. A refused input is told first.
     const bool draws = !options.output.empty();
-    auto opening =
-        std::async(draws ? std::launch::async : std::launch::deferred, [&options] { return std::make_unique<Renderer>(deviceRequestOf(options)); });
+    auto opening = std::async(draws ? std::launch::async : std::launch::deferred,
+                              [&options] { return std::make_unique<Renderer>(deviceRequestOf(options)); });
     Progress progress(options.progress, options.quiet);
     Loaded loaded = load(options, progress, start);
     RenderRequest request = choose(options, loaded);

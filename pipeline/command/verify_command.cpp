@@ -227,7 +227,7 @@ private:
         Json json;
         json["tool"] = toolJson();
         json["host"] = hostJson();
-        json["device"] = renderer_.json();
+        json["device"] = deviceJson(renderer_);
         json["scene"] = sceneJson(input.scene, input.sources);
         json["view"] = view.name;
         json["size"] = {input.size.x, input.size.y};

@@ -34,8 +34,7 @@ void Picture::save(const std::filesystem::path& path, uint32_t asked) const {
     options.alpha = transparent;
     options.linear = encoding == Encoding::linear;
     FileBatch file;
-    file.addFrame(path, frame, chosen, options,
-                  {{"Software", "plumbline " PLUMB_VERSION}, {"encoding", encoding == Encoding::linear ? "linear" : "srgb"}});
+    file.addFrame(path, frame, chosen, options, {{"Software", "plumbline " PLUMB_VERSION}, {"encoding", nameOf(encoding)}});
     file.commit();
 }
 

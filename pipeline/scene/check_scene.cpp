@@ -12,6 +12,7 @@
 #include <glm/glm.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace plumb {
 
