@@ -55,15 +55,15 @@ def faults_of(exported, static, headers, patterns):
         if kind != "T" or word is None or word.group(1) in shown:
             continue
         own = re.escape(word.group(1))
-        if re.search(rf"^[\w:][\w:<>,&* ]* [&*]?{own}\(", code, re.M) or re.search(rf"\b(class|struct) {own}\b[^;{{]*\{{", code):
+        if re.search(rf"^(?!inline\b|constexpr\b)[\w:][\w:<>,&* ]* [&*]?{own}\([^;{{}}]*;", code, re.M) or re.search(rf"\b(class|struct) {own}\b[^;{{]*\{{", code):
             yield f"declared in a public header and not exported: {name}"
             shown.add(word.group(1))
 
 
 def self_test():
-    headers = "// hidden()\nclass Device {\n    void list();\n};\nuint32_t addMesh(Scene&);\nstruct Later;\n"
+    headers = "// hidden()\nclass Device {\n    void list();\n};\nuint32_t addMesh(Scene&);\nstruct Later;\ntemplate <class T>\nint shown(T) {\n    return 1;\n}\ninline int seen(int);\n"
     exported = {"plumb::Device::list()": "T", "plumb::addMesh(plumb::Scene&)": "T"}
-    static = dict(exported, **{"plumb::inner()": "T", "plumb::Later::go()": "T"})
+    static = dict(exported, **{"plumb::inner()": "T", "plumb::Later::go()": "T", "plumb::shown(int)": "T", "plumb::seen(int)": "T"})
     patterns = ["plumb::Device::*", "plumb::addMesh*"]
     cases = [("clean", exported, static, patterns, 0), ("a name of another", dict(exported, **{"fmt::print()": "T"}), static, patterns, 1),
              ("a name that no header has", dict(exported, **{"plumb::hidden()": "T"}), static, patterns, 1), ("a private name", dict(exported, **{"plumb::Device::Impl::go()": "T"}), static, patterns, 1),
