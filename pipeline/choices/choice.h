@@ -61,7 +61,7 @@ std::vector<const char*> wordsIn(const Rows& rows) {
 
 // What a row says of itself: "what it does: its bound".
 template <class Row>
-std::string sentenceOf(const Row& row) {
+std::string helpOf(const Row& row) {
     return std::string(row.help) + (row.bound[0] == '\0' ? "" : ": ") + row.bound;
 }
 

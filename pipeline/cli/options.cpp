@@ -77,7 +77,7 @@ std::string listOf(const Rows& rows) {
 template <class Rows>
 std::string meaningsOf(const Rows& rows) {
     std::vector<std::string> words;
-    for (const auto& row : rows) words.push_back(fmt::format("{} ({})", row.word, sentenceOf(row)));
+    for (const auto& row : rows) words.push_back(fmt::format("{} ({})", row.word, helpOf(row)));
     return fmt::format("{}", fmt::join(words, ", "));
 }
 

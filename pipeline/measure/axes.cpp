@@ -20,7 +20,7 @@ template <class Rows, class Set>
 std::vector<AxisChoice> choicesOf(const Rows& rows, Set set) {
     std::vector<AxisChoice> choices;
     for (const auto& row : rows)
-        choices.push_back({row.word, row.verdict, [set, value = row.value](Setting& s) { set(s.request, value); }, sentenceOf(row)});
+        choices.push_back({row.word, row.verdict, [set, value = row.value](Setting& s) { set(s.request, value); }, helpOf(row)});
     return choices;
 }
 
@@ -30,7 +30,7 @@ Axis traded(const char* name) {
     PLUMB_ASSERT(axis != nullptr);
     std::vector<AxisChoice> choices;
     for (const TradeChoice& row : axis->choices)
-        choices.push_back({row.word, row.verdict, [&row](Setting& s) { row.choose(s.request.trade); }, sentenceOf(row)});
+        choices.push_back({row.word, row.verdict, [&row](Setting& s) { row.choose(s.request.trade); }, helpOf(row)});
     return {axis->name, axis->what, choices};
 }
 
@@ -39,7 +39,7 @@ std::vector<AxisChoice> samplings() {
     std::vector<AxisChoice> choices;
     for (const Choice<Sampling>& row : kSamplings)
         if (row.value != Sampling::centre && row.value != Sampling::notes)
-            choices.push_back({row.word, row.verdict, [&row](Setting& s) { s.request.rays.sampling = row.value; }, sentenceOf(row)});
+            choices.push_back({row.word, row.verdict, [&row](Setting& s) { s.request.rays.sampling = row.value; }, helpOf(row)});
     return choices;
 }
 
