@@ -120,11 +120,14 @@ const std::vector<Axis> kAxes = {
 
 }  // namespace
 
+bool isTraced(const RenderRequest& request) { return request.shading == Shading::ray; }
+bool hasTruth(const RenderRequest& request) { return request.shading != Shading::wire; }
+
 std::string wordsOf(const Setting& s) {
     const RenderRequest& r = s.request;
     const std::string machine =
         (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device") + (s.again ? " again" : "");
-    if (r.shading == Shading::ray)
+    if (isTraced(r))
         return fmt::format("shading={} encoding={} samples={} trace-depth={} trace-cutoff={} ray-sampling={} {}", nameOf(r.shading),
                            nameOf(r.encoding), r.samples, r.maxDepth, r.minWeight, nameOf(r.rays.sampling), machine);
     return fmt::format("shading={} fill={} encoding={} samples={} {} {}", nameOf(r.shading), nameOf(r.fill), nameOf(r.encoding), r.samples,

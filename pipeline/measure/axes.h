@@ -20,6 +20,11 @@ struct Setting {
     bool again = false;  // the default picture once more: no other work
 };
 
+// True when rays draw the picture.
+bool isTraced(const RenderRequest&);
+// True when the picture shows surfaces, so that there is a truth to hold it against. Wire frames are drawings.
+bool hasTruth(const RenderRequest&);
+
 // The choices of a setting as words: equal words, equal work.
 std::string wordsOf(const Setting&);
 

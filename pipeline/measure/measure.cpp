@@ -115,7 +115,7 @@ private:
     std::pair<double, double> predictedMs(size_t i) const {
         const RenderRequest& request = out_.runs[i].setting.request;
         double errors = (restMs_.empty() ? 0 : medianOf(restMs_)) + 2 * estimates_[0];
-        if (request.shading != Shading::wire && !truths_.has(request)) errors += truths_.msPerSample() * request.samples;
+        if (hasTruth(request) && !truths_.has(request)) errors += truths_.msPerSample() * request.samples;
         double round = estimates_[0];
         size_t runs = 1;
         for (size_t k = 0; k < out_.runs.size(); ++k)
@@ -154,13 +154,13 @@ private:
     void takeErrorsOf(size_t i) {
         MeasuredRun& run = out_.runs[i];
         Setting full = run.setting;
-        if (full.request.shading != Shading::wire) full.request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
+        if (hasTruth(full.request)) full.request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
         const std::optional<RenderResult> result = drawnOf(i, full);
         if (!result) return;
         run.rays = result->counters.rays;
         run.bytes = sha256Hex(std::as_bytes(std::span(result->frame.rgba)));
         if (plan_.keepPictures) run.rgba = result->frame.rgba;
-        if (full.request.shading != Shading::wire) compareWithTruth(i, full.request, result->frame);
+        if (hasTruth(full.request)) compareWithTruth(i, full.request, result->frame);
         const std::optional<RenderResult> plain = full.request.planes == run.setting.request.planes ? result : drawnOf(i, run.setting);
         if (!plain) return;
         if (plain->frame.rgba != result->frame.rgba)
@@ -227,7 +227,7 @@ private:
         rest.request.trade = base.trade;
         rest.request.maxDepth = base.maxDepth;
         rest.request.minWeight = base.minWeight;
-        const bool traced = base.shading == Shading::ray;
+        const bool traced = isTraced(base);
         const bool depthOrCutoff = traced && (request.maxDepth != base.maxDepth || request.minWeight != base.minWeight);
         if ((request.trade == base.trade && !depthOrCutoff) || wordsOf(rest) != wordsOf(plan_.base)) {
             run.boundWhy = traced ? "only depth and cutoff of rays are bounded" : "only a choice of the trade is bounded";

@@ -14,7 +14,7 @@ constexpr const char* kWireWhy = "a wire frame has no truth: its lines are a dra
 // What the notes' fill does not have. Null: nothing is missing.
 const char* notesLack(const Setting& setting) {
     const RenderRequest& r = setting.request;
-    if (r.fill != Fill::notes || r.shading == Shading::wire) return nullptr;
+    if (r.fill != Fill::notes || !hasTruth(r)) return nullptr;
     Trade other = r.trade;
     other.specular = Trade().specular;
     return other != Trade{} ? "the notes' fill has no such choice" : nullptr;
@@ -22,10 +22,10 @@ const char* notesLack(const Setting& setting) {
 
 // What a picture of rays has and a raster picture has not, and the other way round. Null: nothing is missing.
 const char* scopeLacks(const Axis& axis, const Setting& base, const Setting& setting) {
-    const bool traced = base.request.shading == Shading::ray;
+    const bool traced = isTraced(base.request);
     if (traced && axis.scope == Scope::raster) return "not applicable: a choice of the raster passes, and this picture is traced";
     if (!traced && axis.scope == Scope::rays) return "not applicable: nothing is traced in a raster picture; measure with --shading ray";
-    if (!traced && setting.request.shading == Shading::ray)
+    if (!traced && isTraced(setting.request))
         return "not applicable: rays see shadows and mirrors, which the truth of a raster picture has not; measure with --shading ray";
     return nullptr;
 }
@@ -67,7 +67,7 @@ void listRuns(Measurement& m, const MeasurePlan& plan) {
                 } else {
                     row.run = runOf(m, setting);
                     row.baseline = *row.run == 0;
-                    if (setting.request.shading == Shading::wire) row.why = kWireWhy;
+                    if (!hasTruth(setting.request)) row.why = kWireWhy;
                 }
             }
             m.rows.push_back(row);

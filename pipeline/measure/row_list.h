@@ -11,8 +11,6 @@ namespace plumb {
 void listRuns(Measurement& m, const MeasurePlan& plan);
 
 // Sampling of a picture's own samples; only rays may lie elsewhere than in a grid.
-inline Sampling samplingOf(const RenderRequest& request) {
-    return request.shading == Shading::ray ? request.rays.sampling : Sampling::grid;
-}
+inline Sampling samplingOf(const RenderRequest& request) { return isTraced(request) ? request.rays.sampling : Sampling::grid; }
 
 }  // namespace plumb

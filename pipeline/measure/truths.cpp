@@ -24,7 +24,7 @@ const Truth* Truths::at(uint32_t samples, Fill fill, uint32_t drawn, Sampling sa
         bool late = false;
         RenderRequest request = base_;
         request.fill = fill;
-        request.shading = base_.shading == Shading::ray ? Shading::ray : Shading::phong;
+        request.shading = isTraced(base_) ? base_.shading : Shading::phong;
         request.rays.sampling = sampling;
         request.samples = samples;
         request.onProgress = [&](double done) {
