@@ -100,16 +100,13 @@ Json materialJson(const Material& m) {
             {"shininess", m.shininess}};
 }
 
-// World-space box of all objects; of the eight corners of each, so it may be larger than the vertices need.
+// World-space box of the vertices of all objects, from the positions as the files state them. Null without a vertex.
 Json worldBounds(const Scene& scene) {
     glm::dvec3 least(std::numeric_limits<double>::infinity()), most(-std::numeric_limits<double>::infinity());
     for (const Object& object : scene.objects) {
         const TriangleMesh& mesh = scene.meshes[object.mesh];
-        if (mesh.positions.empty()) continue;
-        for (int i = 0; i < 8; ++i) {
-            const glm::dvec3 p((i & 1 ? mesh.statedMax : mesh.statedMin).x, (i & 2 ? mesh.statedMax : mesh.statedMin).y,
-                               (i & 4 ? mesh.statedMax : mesh.statedMin).z);
-            const glm::dvec3 world(object.worldFromObject * glm::dvec4(p, 1));
+        for (size_t v = 0; v < mesh.positions.size(); ++v) {
+            const glm::dvec3 world(object.worldFromObject * glm::dvec4(mesh.statedAt(v), 1));
             least = glm::min(least, world);
             most = glm::max(most, world);
         }

@@ -93,7 +93,7 @@ LoadOptions loadOptionsOf(const Options& options, Progress* progress, double fro
     load.allowOutside = options.allowOutside;
     load.strict = options.strict;
     load.creaseDegrees = options.creaseDegrees;
-    load.keepNumbers = options.withError || options.command == kMeasure;
+    load.keepNumbers = options.withError || options.command == kMeasure || options.command == kInfo;
     load.format = options.format;
     load.onProgress = [progress, from, to, stage = ""](double done, const char* now) mutable {
         stopIfInterrupted();

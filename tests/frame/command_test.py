@@ -746,6 +746,18 @@ class Telling(Command):
         text = self.expect(0, "info", "cube.obj").stdout
         self.assertIn(b"closed", text)
 
+    def test_info_bounds_the_vertices_and_not_the_corners_of_their_box(self):
+        corners = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+        self.write("octahedron.obj", "".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n")
+        self.write("turned.toml", '[[mesh]]\nname = "o"\nfile = "octahedron.obj"\n\n[[object]]\nmesh = "o"\ntransform = [{ rotate_z = 45 }]\n')
+        report = json.loads(self.expect(0, "info", "turned.toml", "--json").stdout)
+        self.assertEqual(report["meshes"][0]["bounds"], {"min": [-1, -1, -1], "max": [1, 1, 1]})
+        half = 0.5 ** 0.5
+        for side, sign in (("min", -1), ("max", 1)):
+            for got, want in zip(report["bounds"][side], (half, half, 1)):
+                self.assertLessEqual(abs(got - sign * want), 4 * 2 ** -53, "a rounding of each product, sum and constant")
+        self.assertEqual(report["bounds"]["min"][2], -1)
+
     def test_help_version_and_man(self):
         for command in ("render", "verify", "diff", "devices", "info", "bench", "help"):
             done = self.expect(0, "help", command)
