@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // plumb measure: every choice against one truth, with its time. JSON: docs/outputs.md and docs/measure.md.
+#include "host/binary64.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/command/command.h"
 #include "pipeline/command/interrupt.h"
@@ -82,6 +83,7 @@ Exit measureCommand(const Options& options) {
     if (!renderer.choice().advice.empty()) say(options, fmt::format("plumb: {}\n{}", renderer.choice().reason, renderer.choice().advice));
     for (const std::string& fallback : renderer.fallbacks()) tell(fmt::format("plumb: {}", fallback));
     plan.deviceThere = renderer.device() != nullptr;
+    if (plan.deviceThere) plan.noBinary64 = lacksBinary64(*renderer.device());
     plan.base.request = requestOf(options, scene, size);
     if (!techniqueOf(scene, plan.base.request).showsSurfaces())
         throw usageError("--shading: wire has no truth to be measured against; it is a row of the axis 'shading'");

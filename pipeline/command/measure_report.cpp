@@ -86,8 +86,9 @@ Json rowJson(const Row& row, const Measurement& m) {
                 {"mean", stated(run.bound->mean / 255)},
                 {"rms", stated(run.bound->rms / 255)},
                 {"p99", stated(run.bound->p99 / 255)},
-                {"choice", {{"linear", stated(run.bound->linear)}, {"steps", run.bound->steps}}},
-                {"kind", "the default picture's error as measured, pixel by pixel, and what the choice may add to it as proved"}};
+                {"choice", {{"brighter", stated(run.bound->brighter)}, {"darker", stated(run.bound->darker)}, {"steps", run.bound->steps}}},
+                {"kind",
+                 "pixel by pixel, how far the truth is from the furthest code that the choice may make of the default picture's colour"}};
     }
     json["onFront"] = row.onFront;
     json["onAxisFront"] = row.onAxisFront;

@@ -53,8 +53,8 @@ PixelBound boundAt(const Frame& base, const Truth& truth, bool transparent, cons
 
 std::string ErrorBound::why() const {
     std::string names;
-    for (const auto& [name, value] :
-         {std::pair("max", max), std::pair("mean", mean), std::pair("rms", rms), std::pair("p99", p99), std::pair("choice.linear", linear)})
+    for (const auto& [name, value] : {std::pair("max", max), std::pair("mean", mean), std::pair("rms", rms), std::pair("p99", p99),
+                                      std::pair("choice.brighter", brighter), std::pair("choice.darker", darker)})
         if (value == kNoBound) names += (names.empty() ? "" : ", ") + std::string(name);
     return names.empty() ? "" : (empty() ? "" : names + ": ") + "no bound below full scale";
 }
@@ -71,14 +71,18 @@ ErrorBound errorBoundOf(const Frame& base, const Truth& truth, bool transparent,
     for (size_t at = 0; at < pixels; ++at) {
         if (!showsSomething(base, truth, at, transparent)) continue;
         const PixelBound p = boundAt(base, truth, transparent, moves, 0.5 + steps, at);
-        for (size_t c = 0; c < 3; ++c) bound.linear = std::max({bound.linear, moves.brighter(at, c), moves.darker(at, c)});
+        for (size_t c = 0; c < 3; ++c) {
+            bound.brighter = std::max(bound.brighter, moves.brighter(at, c));
+            bound.darker = std::max(bound.darker, moves.darker(at, c));
+        }
         bound.perPixel[at] = p.most;
         bound.mean += p.sum;
         squares += p.squares;
         anywhere &= p.any;
         values.emplace_back(p.most, p.any);
     }
-    if (bound.linear >= 1) bound.linear = ErrorBound::kNoBound;
+    for (double* move : {&bound.brighter, &bound.darker})
+        if (*move >= 1) *move = ErrorBound::kNoBound;
     if (values.empty()) return bound;
     const auto figure = [](const std::pair<double, bool>& v) { return v.second ? ErrorBound::kNoBound : v.first; };
     bound.max = figure(*std::max_element(values.begin(), values.end()));

@@ -37,11 +37,13 @@ private:
 struct ErrorBound {
     static constexpr double kNoBound = std::numeric_limits<double>::infinity();
     double max = 0, mean = 0, rms = 0, p99 = 0;
-    double linear = 0;             // largest addition by the choice in linear light; kNoBound from full scale on
-    double steps = 0;              // further addition in steps of the code
-    std::vector<double> perPixel;  // 0 where neither picture nor truth shows anything
+    double brighter = 0, darker = 0;  // largest moves by the choice in linear light, either way; kNoBound from full scale on
+    double steps = 0;                 // further move in steps of the code, either way
+    std::vector<double> perPixel;     // 0 where neither picture nor truth shows anything
     // True when no figure has a bound.
-    bool empty() const { return max == kNoBound && mean == kNoBound && rms == kNoBound && p99 == kNoBound && linear == kNoBound; }
+    bool empty() const {
+        return max == kNoBound && mean == kNoBound && rms == kNoBound && p99 == kNoBound && brighter == kNoBound && darker == kNoBound;
+    }
     // Figures without a bound, and why; empty: each has one.
     std::string why() const;
 };

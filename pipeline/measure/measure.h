@@ -22,6 +22,7 @@ struct MeasurePlan {
     std::vector<const Axis*> axes;
     Setting base;               // the default picture; each choice changes one thing of it
     bool deviceThere = true;    // false: choices that need a device are absent
+    std::string noBinary64;     // why the device draws nothing in binary64, and choices of it are absent; empty: it does
     uint32_t repetitions = 31;  // rounds wanted; the time may allow fewer
     double limitMs = 120000;    // limit of the whole command: errors and the truth count too
     double beforeMs = 0;        // part of the limit spent before the measurement began

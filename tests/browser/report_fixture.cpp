@@ -65,9 +65,13 @@ Json row(const char* axis, const char* choice, double ms, double error, Json bou
             {"onAxisFront", true}};
 }
 
-// Bound in JSON with a given largest error, the other figures half of that. The choice may move a colour by 0.01 in linear light.
+// Bound in JSON with a given largest error, the other figures half of that. The choice may move a colour in linear light by 0.01 up and 0.02 down.
 Json bounded(double most) {
-    return {{"max", most}, {"mean", most / 2}, {"rms", most / 2}, {"p99", most / 2}, {"choice", {{"linear", 0.01}, {"steps", 1}}}};
+    return {{"max", most},
+            {"mean", most / 2},
+            {"rms", most / 2},
+            {"p99", most / 2},
+            {"choice", {{"brighter", 0.01}, {"darker", 0.02}, {"steps", 1}}}};
 }
 
 }  // namespace

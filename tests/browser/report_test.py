@@ -186,15 +186,25 @@ class Report(unittest.TestCase):
         self.assertEqual(self.pixel("under", 180, 120), [min(255, 2 * v) for v in apart])
         Select(self.find("#right")).select_by_value("shading/gouraud")
         Select(self.find("#show")).select_by_value("bound")
-        # The fixture's 0.01 in linear light, through the curve at the default picture's byte, a step of rounding and one of the code.
+        # The fixture's 0.01 up and 0.02 down in linear light, from the furthest values that round to the default picture's byte, through the
+        # curve, half a step of rounding and one of the code. The page shows the larger of both.
         curve = lambda v: 255 * (12.92 * max(v, 0) if v <= 0.0031308 else 1.055 * min(1, v) ** (1 / 2.4) - 0.055)
-        light = lambda c: c / 255 / 12.92 if c / 255 <= 0.04045 else ((c / 255 + 0.055) / 1.055) ** 2.4
+        light = lambda c: max(0, c) / 255 / 12.92 if c / 255 <= 0.04045 else ((c / 255 + 0.055) / 1.055) ** 2.4
         default = self.browser.execute_script("return [...pictures.get('shading/phong').data.slice(4 * (320 + 1), 4 * (320 + 1) + 3)]")
-        expected = [min(255, round(2 * (max(curve(light(c) + 0.01) - curve(light(c)), curve(light(c)) - curve(light(c) - 0.01)) + 2))) for c in default]
-        self.assertEqual(self.pixel("under", 1, 1), expected)
+        up = lambda c: min(255, curve(light(c + 0.5) + 0.01) + 1.5) - c
+        down = lambda c: c - max(0, curve(light(c - 0.5) - 0.02) - 1.5)
+        self.assertEqual(self.pixel("under", 1, 1), [min(255, round(2 * max(up(c), down(c)))) for c in default])
+        self.assertGreater(min(abs(down(c) - up(c)) for c in default), 1, "the two ways differ here")
         Select(self.find("#show")).select_by_value("ratio")
         self.assertLess(max(self.pixel("under", 1, 1)), 255)
         self.assertIn("change / bound", self.find("#values").text)
+        # The middle of the disc, where the fixture's Gouraud is not the default: the share is that of the way in which it moved.
+        x, y = (int(v) for v in self.find("#values").text.split("(")[1].split(")")[0].split(","))
+        codes = lambda name: self.browser.execute_script("return [...pictures.get(arguments[0]).data.slice(arguments[1], arguments[1] + 3)]", name, 4 * (320 * y + x))
+        moves = [(g - d, d) for g, d in zip(codes("shading/gouraud"), codes("shading/phong"))]
+        self.assertTrue(any(m != 0 for m, _ in moves), "something to judge")
+        shares = [m / up(d) if m > 0 else -m / down(d) for m, d in moves]
+        self.assertEqual(float(self.find("#values").text.split("change / bound ")[1]), float(f"{max(shares):.3g}"), "three digits of it")
 
     def test_the_lens_follows_mouse_and_keys(self):
         stage = self.find("#stage")

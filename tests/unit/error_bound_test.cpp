@@ -77,7 +77,8 @@ TEST(ErrorBound, HoldsForAllThatAChoiceMayDoAndIsReached) {
         EXPECT_FALSE(breachOfMoves(k.base, k.moved, k.moves())) << seed;
         EXPECT_LE(error.picture.max, bound.max);
         EXPECT_LE(error.picture.rms, bound.rms);
-        EXPECT_EQ(bound.linear, 0.2);
+        EXPECT_EQ(bound.brighter, std::max({k.brighter.x, k.brighter.y, k.brighter.z}));
+        EXPECT_EQ(bound.darker, std::max({k.darker.x, k.darker.y, k.darker.z}));
         EXPECT_EQ(bound.why(), "");
         // Half of the pixels go the way that is worse for them, and rounding to bytes is half a step.
         EXPECT_GT(error.picture.max, 0.9 * bound.max);
@@ -163,15 +164,18 @@ TEST(ErrorBound, IsNoNumberWhereAnyCodeMayBeLeft) {
     for (size_t i = 0; i < 30; ++i) brighter[i] = darker[i] = 5276;
     bound = errorBoundOf(k.base, k.truth, false, {brighter, darker}, 0);
     EXPECT_EQ(bound.max, ErrorBound::kNoBound);
-    EXPECT_EQ(bound.linear, ErrorBound::kNoBound);
+    EXPECT_EQ(bound.brighter, ErrorBound::kNoBound);
+    EXPECT_EQ(bound.darker, ErrorBound::kNoBound);
     EXPECT_LT(bound.p99, 255);
     EXPECT_LT(bound.rms, 255);
     EXPECT_FALSE(bound.empty());
-    EXPECT_EQ(bound.why(), "max, choice.linear: no bound below full scale");
+    EXPECT_EQ(bound.why(), "max, choice.brighter, choice.darker: no bound below full scale");
     // A choice that can only brighten says something of whatever is not black.
     bound = errorBoundOf(k.base, k.truth, false, {glm::dvec3(5276), glm::dvec3(0)}, 0);
     EXPECT_LT(bound.mean, 255);
     EXPECT_LT(bound.rms, 255);
+    EXPECT_EQ(bound.brighter, ErrorBound::kNoBound);
+    EXPECT_EQ(bound.darker, 0);
 }
 
 TEST(ErrorBound, CountsAlphaAndStepsAndNothingThatIsNotShown) {

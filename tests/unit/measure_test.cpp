@@ -19,6 +19,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -506,6 +507,29 @@ TEST(Measure, CutsAndListsWhatTheLimitLeavesNoTimeFor) {
     EXPECT_EQ(m.runs[0].total.ms.size(), 1u);
     EXPECT_FALSE(m.truth) << "no time for it";
     EXPECT_FALSE(m.limitKept) << "and even the default picture takes longer";
+}
+
+TEST(Measure, WithoutBinary64HasNoRowOfItAndSaysWhy) {
+    for (const char* lacks : {"", "'a device' has no binary64"}) {
+        MeasurePlan plan = planOf(nullptr);
+        plan.base.request.width = 16;
+        plan.base.request.height = 12;
+        plan.base.twin = false;
+        plan.deviceThere = true;
+        plan.repetitions = 1;
+        plan.noBinary64 = lacks;
+        plan.axes = {&axisOf("transform")};
+        plan.draw = [&](const Scene& scene, const Setting& setting) {
+            EXPECT_TRUE(*lacks == '\0' || setting.request.trade.numbers != Numbers::fp64) << "drawn although the device lacks it";
+            return renderCpu(scene, setting.request);
+        };
+        const Measurement m = measure(suzanne(), plan);
+        const auto row =
+            std::find_if(m.rows.begin(), m.rows.end(), [](const Row& r) { return r.choice->name == std::string_view("fp64"); });
+        ASSERT_NE(row, m.rows.end());
+        EXPECT_EQ(row->run.has_value(), *lacks == '\0');
+        EXPECT_EQ(row->why, lacks);
+    }
 }
 
 // A clock that only draws move would be better; here each draw sleeps, so that estimates are about right on a slow machine as well.
