@@ -20,7 +20,7 @@ void readCarrier(uvec4 d) {
     carrier.a0 = carrier.a1 = carrier.a2 = vec3(0.0);
     carrier.w = vec3(0.0);
     carrier.flatColour = vec3(0.0);
-    if (kShading == kShadingFlat) carrier.flatColour = texelFetch(carried, int(push.flatColours) + carrier.owner).xyz;
+    if (kShading == kShadingFlat) carrier.flatColour = texelFetch(carried, carrier.owner).xyz;
     if (kShading >= kShadingGouraud) {
         uvec4 v0 = texelFetch(screen, int(d.x));
         uvec4 v1 = texelFetch(screen, int(d.y));

@@ -93,7 +93,6 @@ struct FillPush {
     uint firstLight, lightCount;  // lights of this window
     uint background;              // encoded colour
     uint firstTriangle;           // index in the scene of the chunk's first triangle
-    uint flatColours;             // texel of the first face colour of the chunk
     float near;
     vec3 rayOrigin, rayX, rayY;  // direction to pixel (x, y), forward component 1: rayOrigin + rayX x + rayY y
     vec3 backgroundLinear;
