@@ -62,7 +62,8 @@ layout(binding = 12) uniform samplerBuffer places;  // of each triangle of the c
 Toward towardEye[4];                                // of each row of pixels
 Toward towardLamp[kUnrolledLights * 4u];            // 4 light + row
 
-// Those of one triangle, corners in components 0 to 2 or all alike, to the pixels that show it.
+// Takes the direction of one triangle to the pixels that show it (`here`). `from`: directions at the corners in components 0 to 2, or one
+// direction in all.
 void carryVector(inout Toward to, Toward from, Shares s, bvec4 here) {
     if (kVectors == kVectorsVertex) {
         from = Toward(shared3(s, from.x.x, from.x.y, from.x.z), shared3(s, from.y.x, from.y.y, from.y.z),
@@ -127,7 +128,7 @@ uint at;       // index of its first row in a plane
 uint base;  // first invocation of the tile in the subgroup
 #endif
 
-// Of its pixels, by row; the fifth is the copy that a loop over rows works on.
+// State of the block's pixels, one element a row. Element kCopy (4) is scratch for the loop over rows.
 ivec4 z[5];
 ivec4 id[5];
 ivec4 source[5], material[4];

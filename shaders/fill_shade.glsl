@@ -12,7 +12,7 @@ vec4 lampPlaces[kUnrolledLights], lampIntensities[kUnrolledLights];  // the ligh
 
 ShadeParts parts() { return ShadeParts(kDiffuse, kSpecular, kPointLights, kPower); }
 
-// Of each 2 x 2 pixels the first that is drawn, in lanes: the four are shaded in place of the first row.
+// Inputs of coarse shading: lane i holds those of the first drawn pixel of the block's i-th 2 x 2 square. The four pixels are shaded as row 0.
 vec4 coarseX, coarseY, coarseNx, coarseNy, coarseNz, coarseWeight;
 ivec4 coarseZ, coarseMaterial;
 
@@ -268,7 +268,7 @@ void copyRow(int y) {
     reflects[kCopy].zeroPower = rowOf(reflects[0].zeroPower, reflects[1].zeroPower, reflects[2].zeroPower, reflects[3].zeroPower, y);
 }
 
-// The visible triangles' shares are in: shades the block and writes each pixel once; returns a fault.
+// Shades the block and writes each pixel once. Call when id, z and attributes of its pixels are complete. Returns fault bits.
 uint shadeAndWrite() {
     uint fault = 0u;
     const bool loops = kShading == kShadingPhong && kLightCount == 0u;

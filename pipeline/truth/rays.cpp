@@ -463,7 +463,7 @@ private:
         if (!(lean > kLeastLean)) return;
         const V image = d + n * (2 * (cosine > 0 ? cosine : Real(0)));
         const Real missing = slopeOf(r, s) - along(image, g);
-        // Of d + 2 c N, and of what is missing along G.
+        // Errors of d + 2 c N, and of what it lacks along G.
         const double imageError = 3 * r.directionError + 4 * s.normalError + 8 * kUnit,
                      missingError = imageError + s.geometricError + slopeErrorOf(r, s) + 8 * kUnit;
         if (!(missing > 0)) {

@@ -16,7 +16,7 @@ import tempfile
 import time
 
 # Pages about a command: an answer that is run stands in their first screen.
-PAGES = ("accuracy.md", "commands.md", "diff.md", "measure.md", "outputs.md", "rays.md", "scene-format.md", "truth.md")
+PAGES = ("accuracy.md", "commands.md", "containers.md", "diff.md", "measure.md", "outputs.md", "rays.md", "scene-format.md", "tests.md", "truth.md")
 SCREEN = 40  # lines
 ANSWERS = ("", "text", "json")
 
