@@ -356,6 +356,16 @@ ConstantsById constantsById(const Module& module, const ModuleReader& reader, co
 
 }  // namespace
 
+void plantDriver(Device& device, ModuleRewriter rewriter) { device.impl().rewriter = std::move(rewriter); }
+
+bool hasSubgroupArithmetic(const Device& device) {
+    VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
+    vkGetPhysicalDeviceProperties2(device.impl().physical, &properties);
+    return (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT) != 0 &&
+           (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
+}
+
 Reflection reflect(const Module& module, const ConstantsById& constants) { return ModuleReader(module).reflection(constants); }
 
 void DeviceImpl::destroy(const Program& program) const {
@@ -432,7 +442,8 @@ Program DeviceImpl::make(const Module& module, const Specialization& constants) 
     const VkPipelineLayoutCreateInfo layoutInfo{
         VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, nullptr, 0, 1, &program.setLayout, 1, &range};
     VK_CHECK(vk.vkCreatePipelineLayout(handle, &layoutInfo, nullptr, &program.layout));
-    const std::vector<uint32_t> words = foldConstants(module, all);
+    std::vector<uint32_t> words = foldConstants(module, all);
+    if (rewriter) rewriter(module.name, words);
     const VkShaderModuleCreateInfo shaderInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, nullptr, 0, words.size() * sizeof(uint32_t),
                                               words.data()};
     VK_CHECK(vk.vkCreateShaderModule(handle, &shaderInfo, nullptr, &discard.shader));

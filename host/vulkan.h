@@ -5,6 +5,7 @@
 #pragma once
 
 #include "host/device.h"
+#include "host/driver.h"
 #include "host/error.h"
 #include "host/program.h"
 #include "host/recorder.h"
@@ -153,6 +154,7 @@ struct DeviceImpl {
     VkPipelineCache pipelineCache = VK_NULL_HANDLE;
     std::map<std::string, Program> programs;
     std::map<std::string, std::future<Program>> making;  // pipelines that prepare() began and nobody has used yet
+    ModuleRewriter rewriter;                             // of tests; empty: modules are loaded as they are
     // True after a fence timed out: work may still run, so nothing that it uses may be destroyed.
     bool hung = false;
 

@@ -17,7 +17,7 @@ DOUBLE_CALLERS call: host/binary64.cpp asks a device whether it keeps those befo
 Functions are judged in modules as glslang wrote them, before the build inlines them; of the modules that are embedded (--inlined) everything but which
 function an instruction stands in.
 
-Modules whose name starts with "selftest" or "canary" measure the device and are listed, not judged.
+Modules whose name starts with "selftest", "canary" or "fingerprint" measure the device and are listed, not judged.
 
 usage: spirv_lint.py [--quiet] MODULE.spv... [--inlined MODULE.spv...]    exit 1 on a fault; --list FILE: one path a line
 """
@@ -162,7 +162,7 @@ def lint(words, native=False, double=False, inlined=False):
 
 
 def exempt(path):
-    return os.path.basename(path).startswith(("selftest", "canary"))
+    return os.path.basename(path).startswith(("selftest", "canary", "fingerprint"))
 
 
 def is_native(path):

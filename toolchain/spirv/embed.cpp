@@ -47,7 +47,8 @@ bool isFloatArithmetic(uint32_t opcode) {
     }
 }
 
-std::vector<uint32_t> decorated(const std::vector<uint32_t>& words) {
+// loose: nothing is decorated.
+std::vector<uint32_t> decorated(const std::vector<uint32_t>& words, bool loose) {
     if (words.size() < kHeaderWords || words[0] != kMagic) throw std::runtime_error("not a SPIR-V module");
     std::set<uint32_t> alreadyDecorated;
     std::vector<uint32_t> results;
@@ -68,7 +69,7 @@ std::vector<uint32_t> decorated(const std::vector<uint32_t>& words) {
         if (!relaxed) out.insert(out.end(), words.begin() + long(at), words.begin() + long(at + (words[at] >> 16)));
     }
     for (const uint32_t result : results)
-        if (!alreadyDecorated.contains(result)) out.insert(out.end(), {3u << 16 | kOpDecorate, result, kNoContraction});
+        if (!loose && !alreadyDecorated.contains(result)) out.insert(out.end(), {3u << 16 | kOpDecorate, result, kNoContraction});
     out.insert(out.end(), words.begin() + long(firstType), words.end());
     return out;
 }
@@ -160,10 +161,12 @@ void write(const char* path, const void* data, size_t bytes) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 8) {
+    const bool loose = argc == 9 && std::strcmp(argv[8], "--loose") == 0;
+    if (argc != 8 && !loose) {
         std::fputs(
-            "usage: plumb_spirv_embed NAME IN.spv OUT.spv OUT.h OUT.cpp FUNCTIONS_IN.spv FUNCTIONS_OUT.spv\n"
-            "FUNCTIONS: the module before its functions were inlined, with the same decorations, for the lint\n",
+            "usage: plumb_spirv_embed NAME IN.spv OUT.spv OUT.h OUT.cpp FUNCTIONS_IN.spv FUNCTIONS_OUT.spv [--loose]\n"
+            "FUNCTIONS: the module before its functions were inlined, with the same decorations, for the lint\n"
+            "--loose: without NoContraction, for a module that asks what the device does then\n",
             stderr);
         return 2;
     }
@@ -171,7 +174,7 @@ int main(int argc, char** argv) {
         const std::string name = argv[1];
         for (const char c : name)
             if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_') throw std::runtime_error("the name is not a C++ identifier");
-        const std::vector<uint32_t> words = decorated(read(argv[2])), functions = decorated(read(argv[6]));
+        const std::vector<uint32_t> words = decorated(read(argv[2]), loose), functions = decorated(read(argv[6]), loose);
         const std::string declares = header(name), defines = source(name, words);
         write(argv[3], words.data(), words.size() * 4);
         write(argv[7], functions.data(), functions.size() * 4);
