@@ -35,6 +35,8 @@ void warnOfRepairs(Scene& scene, size_t first, const std::string& place) {
         {&TriangleMesh::repairedNormals, "corner normal is zero or opposite to its face: the face's is used",
          "corner normals are zero or opposite to their face: the face's is used"},
         {&TriangleMesh::flushedDenormals, "denormal number is set to 0", "denormal numbers are set to 0"},
+        {&TriangleMesh::uncutFaces, "concave face has too many corners to triangulate: it is not drawn",
+         "concave faces have too many corners to triangulate: they are not drawn"},
         {&TriangleMesh::selfCrossingFaces, "face crosses itself: it is cut as a fan", "faces cross themselves: they are cut as fans"},
     };
     for (const auto& [member, one, several] : repairs) {

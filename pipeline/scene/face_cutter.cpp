@@ -2,6 +2,7 @@
 #include "pipeline/scene/face_cutter.h"
 
 #include <cstddef>
+#include <cstdint>
 
 namespace plumb {
 
@@ -25,8 +26,9 @@ FaceCutter::Outcome FaceCutter::run() {
     }
     // A straight corner needs ears rather than a fan. Cut off as a triangle without area it would leave the neighbouring face, which
     // also has that corner, with a T-junction: the background could be seen through it.
-    if (n <= kMaxConcaveCorners) return clipEars();
-    if (anyRight || !turnsOnce()) return Outcome::tooLarge;
+    const Outcome outcome = clipEars();
+    if (outcome == Outcome::tooLarge) cuts.clear();
+    if (outcome != Outcome::tooLarge || anyRight || !turnsOnce()) return outcome;
     fan(n);
     return Outcome::done;
 }
@@ -57,9 +59,10 @@ double FaceCutter::turnAt(uint32_t i) const { return turnOf(points[before_[i]], 
 
 // True for an ear: a strict left turn whose triangle, border included, holds no corner that is not a strict left turn. Corners that
 // coincide with the triangle's own (the bridge of a face with a hole) do not count.
-bool FaceCutter::isEar(uint32_t i) const {
+bool FaceCutter::isEar(uint32_t i) {
     const Point &a = points[before_[i]], &b = points[i], &c = points[after_[i]];
-    if (!(turnOf(a, b, c) > 0)) return false;
+    if (!(turnOf(a, b, c) > 0) || tests_ > kMaxCornerTests) return false;
+    tests_ += reflex_.size();
     for (uint32_t r : reflex_) {
         const Point& p = points[r];
         if (gone_[r] || p == a || p == b || p == c) continue;
@@ -97,9 +100,11 @@ FaceCutter::Outcome FaceCutter::clipEars() {
     gone_.assign(n, false);
     ear_.resize(n);
     for (uint32_t i = 0; i < n; ++i) before_[i] = i ? i - 1 : n - 1, after_[i] = i + 1 < n ? i + 1 : 0;
+    tests_ = 0;
     askAll();
     uint32_t left = n, at = 0, sinceCut = 0, asked = 0;
     while (left > 3) {
+        if (tests_ > kMaxCornerTests) return Outcome::tooLarge;
         if (ear_[at]) {
             const uint32_t a = before_[at], c = after_[at];
             cutOff(at);

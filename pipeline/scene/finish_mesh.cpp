@@ -343,9 +343,16 @@ private:
         for (const Edge& edge : edges_) out_.edges.push_back({vertexOf_[edge.corner], vertexOf_[next(edge.face, edge.corner)]});
     }
 
+    [[noreturn]] void refuseUncut(size_t face) const {
+        throw inputError(in_.place.empty() ? printable(in_.name) : in_.place,
+                         fmt::format("face {} is concave and has {} corners, too many to triangulate", face,
+                                     in_.faceFirst[face + 1] - in_.faceFirst[face]));
+    }
+
     void cutFaces() {
         out_.triangles.reserve(in_.corners.size() - 2 * faces_);
         FaceCutter cutter;
+        size_t firstUncut = 0;
         LoadMeter meter = meterOf(kVerticesMade, 1, faces_);
         for (size_t f = 0; f < faces_; ++f) {
             meter.at(f);
@@ -370,14 +377,15 @@ private:
                 cutter.points.clear();
                 for (uint32_t c = first; c < first + n; ++c) cutter.points.push_back({at(c)[u], at(c)[v]});
                 const FaceCutter::Outcome outcome = cutter.run();
-                if (outcome == FaceCutter::Outcome::tooLarge)
-                    throw inputError(
-                        in_.place.empty() ? printable(in_.name) : in_.place,
-                        fmt::format("face {} is concave and has {} corners; at most {} are triangulated", f, n, kMaxConcaveCorners));
+                if (outcome == FaceCutter::Outcome::tooLarge && out_.uncutFaces++ == 0) {
+                    firstUncut = f;
+                    if (options_.strict) refuseUncut(f);
+                }
                 if (outcome == FaceCutter::Outcome::selfCrossing && out_.selfCrossingFaces++ == 0) out_.firstSelfCrossing = uint32_t(f);
             }
             for (const FaceCutter::Cut& cut : cutter.cuts) add(cut[0], cut[1], cut[2]);
         }
+        if (out_.uncutFaces > 0 && out_.triangles.empty()) refuseUncut(firstUncut);
     }
 
     PolygonMesh in_;

@@ -16,6 +16,7 @@ static_assert(std::endian::native == std::endian::little, "binary glTF is read a
 
 // One byte of indices makes at most three corners (a strip), and one accessor may serve a few primitives.
 static constexpr uint64_t kMaxCornersPerByte = 16;
+static constexpr uint64_t kMaxCorners = uint64_t(1) << 62;  // more are not told apart
 
 static size_t bytesOfComponent(int componentType) {
     switch (componentType) {
@@ -66,11 +67,11 @@ uint32_t Accessor::index(size_t element) const {
 
 size_t Accessor::elementBytes() const { return bytesOfComponent(componentType) * size_t(components); }
 
-Accessors::Accessors(const Container& container, const LoadOptions& options)
-    : accessors_(container.root().list("accessors")), buffers_(container, options) {}
+Accessors::Accessors(const Container& container, const Reading& reading)
+    : accessors_(container.root().list("accessors")), buffers_(container, reading) {}
 
 void Accessors::countCorners(uint64_t corners, const Value& at) {
-    corners_ += corners;
+    corners_ = std::min(corners_ + std::min(corners, kMaxCorners), kMaxCorners);
     if (corners_ > kMaxCornersPerByte * buffers_.bytesRead())
         at.refuse(fmt::format("the meshes ask for {} corners of {} bytes, more than {} a byte", corners_, buffers_.bytesRead(),
                               kMaxCornersPerByte));
@@ -94,27 +95,28 @@ Accessor Accessors::at(const Value& index) {
     if (const auto normalized = value.find("normalized")) result.normalized = normalized->boolean();
     const Value countValue = value.required("count");
     const uint64_t count = countValue.whole(UINT64_MAX);
-    if (count == 0) countValue.refuse("is 0");
-
-    const auto viewIndex = value.find("bufferView");
-    if (!viewIndex) value.refuse("has no bufferView; accessors of zeros are not read");
-    const Buffers::View view = buffers_.view(*viewIndex);
-    const std::string_view data = view.bytes;
-    result.stride = view.stride == 0 ? elementBytes : view.stride;
-    if (result.stride < elementBytes) value.refuse(fmt::format("elements of {} bytes lie {} apart", elementBytes, result.stride));
-    const auto offsetValue = value.find("byteOffset");
-    const uint64_t offset = offsetValue ? offsetValue->whole(kMaxFileBytes) : 0;
-    // offset + stride * (count - 1) + elementBytes <= data.size(), without overflow
-    if (offset > data.size() || elementBytes > data.size() - offset || count - 1 > (data.size() - offset - elementBytes) / result.stride)
-        countValue.refuse(fmt::format("is {}: {} bytes an element at {} of a view of {} bytes", count, result.stride, offset, data.size()));
-    result.data = data.data() + offset;
     result.count = size_t(count);
-    if (const auto sparse = value.find("sparse")) overlaySparse(*sparse, result);
+    if (count == 0) return result;
+    if (const auto viewIndex = value.find("bufferView")) {
+        const Buffers::View view = buffers_.view(*viewIndex);
+        const std::string_view data = view.bytes;
+        result.stride = view.stride == 0 ? elementBytes : view.stride;
+        if (result.stride < elementBytes) value.refuse(fmt::format("elements of {} bytes lie {} apart", elementBytes, result.stride));
+        const auto offsetValue = value.find("byteOffset");
+        const uint64_t offset = offsetValue ? offsetValue->whole(kMaxFileBytes) : 0;
+        // offset + stride * (count - 1) + elementBytes <= data.size(), without overflow
+        if (offset > data.size() || elementBytes > data.size() - offset ||
+            count - 1 > (data.size() - offset - elementBytes) / result.stride)
+            countValue.refuse(
+                fmt::format("is {}: {} bytes an element at {} of a view of {} bytes", count, result.stride, offset, data.size()));
+        result.data = data.data() + offset;
+    }
+    if (const auto sparse = value.find("sparse")) overlaySparse(value, *sparse, result);
     return result;
 }
 
 // glTF 3.6.2.3.
-void Accessors::overlaySparse(const Value& sparse, Accessor& accessor) {
+void Accessors::overlaySparse(const Value& value, const Value& sparse, Accessor& accessor) {
     const size_t elementBytes = accessor.elementBytes();
     const Value countValue = sparse.required("count"), indices = sparse.required("indices"), values = sparse.required("values");
     const uint64_t count = countValue.whole(accessor.count);
@@ -134,9 +136,9 @@ void Accessors::overlaySparse(const Value& sparse, Accessor& accessor) {
     where.data = slice(indices, where.stride);
     const char* what = slice(values, elementBytes);
 
-    corners_ += accessor.count;
+    countCorners(accessor.count, value);
     auto dense = std::make_shared<std::vector<char>>(accessor.count * elementBytes);
-    for (size_t i = 0; i < accessor.count; ++i)
+    for (size_t i = 0; i < accessor.count && accessor.hasData(); ++i)
         std::memcpy(dense->data() + i * elementBytes, accessor.data + i * accessor.stride, elementBytes);
     for (size_t i = 0; i < count; ++i) {
         const uint32_t element = where.index(i);

@@ -4,8 +4,8 @@
 
 #include "pipeline/scene/gltf_buffers.h"
 #include "pipeline/scene/gltf_container.h"
+#include "pipeline/scene/gltf_reading.h"
 #include "pipeline/scene/gltf_value.h"
-#include "pipeline/scene/load.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace plumb::gltf {
 
-// Every element lies inside its buffer.
+// Every element lies inside its buffer. Without data every element is 0, and none may be asked for.
 struct Accessor {
     std::string place;
     const char* data = nullptr;
@@ -24,8 +24,9 @@ struct Accessor {
     int components = 1;
     int componentType = 0;  // glTF 3.6.2.2: 5120 is int8, to 5126, float
     bool normalized = false;
-    std::shared_ptr<std::vector<char>> dense;  // owns `data` when the accessor is sparse
+    std::shared_ptr<std::vector<char>> dense;  // owns `data` of a sparse accessor
 
+    bool hasData() const { return data != nullptr; }
     size_t elementBytes() const;
     bool isIndex() const { return components == 1 && (componentType == 5121 || componentType == 5123 || componentType == 5125); }
     double component(size_t element, int i) const;
@@ -34,14 +35,14 @@ struct Accessor {
 
 class Accessors {
 public:
-    Accessors(const Container& container, const LoadOptions& options);
+    Accessors(const Container& container, const Reading& reading);
     Accessor at(const Value& index);
     // Counts what the meshes ask for. Refused at `at` is more than kMaxCornersPerByte a byte that was read: such a file repeats its data to
     // fill our memory.
     void countCorners(uint64_t corners, const Value& at);
 
 private:
-    void overlaySparse(const Value& sparse, Accessor& accessor);
+    void overlaySparse(const Value& value, const Value& sparse, Accessor& accessor);
 
     std::vector<Value> accessors_;
     Buffers buffers_;

@@ -53,9 +53,9 @@ static std::string percentDecoded(std::string_view uri) {
     return text;
 }
 
-Buffers::Buffers(const Container& container, const LoadOptions& options)
+Buffers::Buffers(const Container& container, const Reading& reading)
     : container_(container),
-      options_(options),
+      reading_(reading),
       buffers_(container.root().list("buffers")),
       views_(container.root().list("bufferViews")),
       data_(buffers_.size()),
@@ -64,8 +64,8 @@ Buffers::Buffers(const Container& container, const LoadOptions& options)
 std::string_view Buffers::file(const Value& uri) {
     const std::string& text = uri.text();
     if (text.find("://") != text.npos) uri.refuse("names a network address; only files are read");
-    const std::filesystem::path path =
-        resolveReference(referenceBase(container_.path(), options_), percentDecoded(text), options_.allowOutside, uri.place(), "buffer");
+    const std::filesystem::path path = resolveReference(referenceBase(container_.path(), reading_.options), percentDecoded(text),
+                                                        reading_.options.allowOutside, uri.place(), "buffer");
     std::error_code code;
     if (!std::filesystem::exists(path, code)) uri.refuse(fmt::format("'{}' does not exist", printable(text)));
     const auto [known, isNew] = files_.try_emplace(path.lexically_normal().string());
@@ -108,9 +108,11 @@ Buffers::View Buffers::view(const Value& index) {
     const Value lengthValue = value.required("byteLength");
     const uint64_t length = lengthValue.whole(kMaxFileBytes);
     if (offset + length > data.size()) lengthValue.refuse(fmt::format("{} bytes at {} of a buffer of {}", length, offset, data.size()));
-    const auto stride = value.find("byteStride");
-    if (stride && stride->whole(252) < 4) stride->refuse("is below 4");
-    return {data.substr(size_t(offset), size_t(length)), stride ? size_t(stride->whole(252)) : 0};
+    const auto strideValue = value.find("byteStride");
+    const size_t stride = strideValue ? size_t(strideValue->whole(252)) : 0;
+    if (strideValue && stride < 4)
+        reading_.pass(*strideValue, stride == 0 ? "is 0; it counts as not stated" : "is below the least byteStride of glTF, 4");
+    return {data.substr(size_t(offset), size_t(length)), stride};
 }
 
 }  // namespace plumb::gltf

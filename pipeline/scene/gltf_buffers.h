@@ -3,8 +3,8 @@
 #pragma once
 
 #include "pipeline/scene/gltf_container.h"
+#include "pipeline/scene/gltf_reading.h"
 #include "pipeline/scene/gltf_value.h"
-#include "pipeline/scene/load.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace plumb::gltf {
 
 class Buffers {
 public:
-    Buffers(const Container& container, const LoadOptions& options);
+    Buffers(const Container& container, const Reading& reading);
 
     struct View {
         std::string_view bytes;
@@ -34,7 +34,7 @@ private:
     std::string_view file(const Value& uri);
 
     const Container& container_;
-    const LoadOptions& options_;
+    const Reading& reading_;
     std::vector<Value> buffers_, views_;
     std::vector<std::optional<std::string_view>> data_;  // a buffer
     std::vector<std::unique_ptr<std::string>> loaded_;   // owns what data_ shows

@@ -26,6 +26,8 @@ static constexpr int kMaxJsonDepth = 64;
 
 Container::Container(const std::filesystem::path& path, const LoadOptions& options) : path_(path), bytes_(readInput(path, options)) {
     isGlb_ = bytes_.starts_with("glTF");
+    if (const char* encoding = isGlb_ ? nullptr : otherEncoding(bytes_))
+        throw inputError(placeOfLine(path_, 1, 1), fmt::format("the text is {}; only UTF-8 is read", encoding));
     parse(isGlb_ ? unpackGlb() : std::string_view(bytes_), options);
 }
 

@@ -48,65 +48,108 @@ private:
     std::unordered_map<Key, uint32_t, Hash> known_;
 };
 
+// Accessors of one primitive.
+struct PrimitiveData {
+    Accessor position;
+    std::optional<Accessor> normal, indices;
+    size_t count() const { return indices ? indices->count : position.count; }
+};
+
+// Quantized positions and normals (KHR_mesh_quantization) are accepted whether or not the file says so.
+Accessor vectorsAt(const Value& index, const char* name, Accessors& accessors) {
+    Accessor vector = accessors.at(index);
+    if (vector.components != 3 || vector.componentType == 5125)
+        index.refuse(fmt::format("{} is not an accessor of VEC3 of a vertex type", name));
+    return vector;
+}
+
+PrimitiveData dataOf(const Value& primitive, const Value& positionIndex, Accessors& accessors, const Reading& reading) {
+    PrimitiveData data{vectorsAt(positionIndex, "POSITION", accessors)};
+    if (const auto value = primitive.required("attributes").find("NORMAL")) {
+        data.normal = vectorsAt(*value, "NORMAL", accessors);
+        if (data.normal->count != data.position.count)
+            value->refuse(fmt::format("NORMAL has {} elements, POSITION has {}", data.normal->count, data.position.count));
+        if (!data.normal->hasData() && data.normal->count > 0) reading.pass(*value, "NORMAL has no data; it counts as not stated");
+        if (!data.normal->hasData()) data.normal.reset();
+    }
+    if (const auto value = primitive.find("indices")) {
+        data.indices = accessors.at(*value);
+        if (!data.indices->isIndex()) value->refuse("is not an accessor of SCALAR of an index type");
+    }
+    return data;
+}
+
 // Corners of one primitive, by their numbers in it.
 class PrimitiveCorners {
 public:
-    PrimitiveCorners(const Value& primitive, const Value& positionIndex, Accessors& accessors)
-        : position_(vectors(positionIndex, "POSITION", accessors)) {
-        if (const auto value = primitive.required("attributes").find("NORMAL")) {
-            normal_ = vectors(*value, "NORMAL", accessors);
-            if (normal_->count != position_.count)
-                value->refuse(fmt::format("NORMAL has {} elements, POSITION has {}", normal_->count, position_.count));
-        }
-        if (const auto value = primitive.find("indices")) {
-            indices_ = accessors.at(*value);
-            if (!indices_->isIndex()) value->refuse("is not an accessor of SCALAR of an index type");
-        }
+    PrimitiveCorners(const PrimitiveData& data, const Value& primitive, const Reading& reading, Welder<Positions>& positions,
+                     Welder<std::vector<glm::vec3>>& normals)
+        : data_(data), primitive_(primitive), reading_(reading), positions_(positions), normals_(normals) {
         // Remembered only where the memory is in proportion to what is drawn.
-        if (position_.count <= 4 * count()) known_.assign(position_.count, PolygonMesh::Corner{kNone});
+        if (data.position.count <= 4 * data.count()) known_.assign(data.position.count, PolygonMesh::Corner{kNone});
     }
 
-    size_t count() const { return indices_ ? indices_->count : position_.count; }
-    bool hasNormals() const { return normal_.has_value(); }
-
-    PolygonMesh::Corner corner(size_t i, Welder<Positions>& positions, Welder<std::vector<glm::vec3>>& normals) {
-        const uint32_t vertex = indices_ ? indices_->index(i) : uint32_t(i);
-        if (vertex >= position_.count)
-            throw inputError(indices_->place, fmt::format("element {} is vertex {}, but POSITION has {}", i, vertex, position_.count));
+    PolygonMesh::Corner corner(size_t i) {
+        const uint32_t vertex = data_.indices ? data_.indices->index(i) : uint32_t(i);
+        if (vertex >= data_.position.count)
+            throw inputError(data_.indices->place,
+                             fmt::format("element {} is vertex {}, but POSITION has {}", i, vertex, data_.position.count));
         if (!known_.empty() && known_[vertex].position != kNone) return known_[vertex];
-        PolygonMesh::Corner made{positions.add(load(position_, vertex, "POSITION"))};
-        if (normal_) made.normal = normals.add(load(*normal_, vertex, "NORMAL"));
+        glm::dvec3 read(0);
+        int bad = load(data_.position, vertex, read);
+        if (bad < 3)
+            throw inputError(data_.position.place, fmt::format("element {}: POSITION {} is {}", vertex, "xyz"[bad],
+                                                               std::isnan(read[bad])   ? "NaN"
+                                                               : std::isinf(read[bad]) ? "infinite"
+                                                                                       : "above 2^100"));
+        PolygonMesh::Corner made{positions_.add(read)};
+        if (data_.normal) {
+            bad = load(*data_.normal, vertex, read);
+            if (bad == 3)
+                made.normal = normals_.add(read);
+            else
+                reading_.pass(primitive_, "a NORMAL is not finite; it counts as not stated");
+        }
         if (!known_.empty()) known_[vertex] = made;
         return made;
     }
 
 private:
-    // Quantized positions and normals (KHR_mesh_quantization) are accepted whether or not the file says so.
-    static Accessor vectors(const Value& index, const char* name, Accessors& accessors) {
-        Accessor vector = accessors.at(index);
-        if (vector.components != 3 || vector.componentType == 5125)
-            index.refuse(fmt::format("{} is not an accessor of VEC3 of a vertex type", name));
-        return vector;
-    }
-
-    static glm::dvec3 load(const Accessor& from, size_t element, const char* name) {
-        glm::dvec3 v;
-        for (int i = 0; i < 3; ++i) {
-            const double value = from.component(element, i);
-            if (!(std::abs(value) <= kMaxCoordinate))
-                throw inputError(from.place, fmt::format("element {}: {} {} is {}", element, name, "xyz"[i],
-                                                         std::isnan(value)   ? "NaN"
-                                                         : std::isinf(value) ? "infinite"
-                                                                             : "above 2^100"));
-            v[i] = value;
+    // Loads an element; returns the first component that is not finite or too large, 3 when all are good.
+    static int load(const Accessor& from, size_t element, glm::dvec3& v) {
+        int bad = 3;
+        for (int i = 2; i >= 0; --i) {
+            v[i] = from.component(element, i);
+            if (!(std::abs(v[i]) <= kMaxCoordinate)) bad = i;
         }
-        return v;
+        return bad;
     }
 
-    Accessor position_;
-    std::optional<Accessor> normal_, indices_;
+    const PrimitiveData& data_;
+    const Value& primitive_;
+    const Reading& reading_;
+    Welder<Positions>& positions_;
+    Welder<std::vector<glm::vec3>>& normals_;
     std::vector<PolygonMesh::Corner> known_;  // by vertex; may be empty
 };
+
+// Number of triangles of a primitive with `count` corners. Left over corners and primitives without a triangle are passed over.
+size_t trianglesOf(uint64_t mode, size_t count, const Value& primitive, const Reading& reading) {
+    if (count < 3) {
+        reading.pass(primitive, count == 0 ? "is empty; it is passed over" : "has fewer than 3 vertices; it is passed over");
+        return 0;
+    }
+    if (mode != 4) return count - 2;
+    if (count % 3 != 0) reading.pass(primitive, "has vertices left over that make no whole triangle; they are not drawn");
+    return count / 3;
+}
+
+// Refuses a primitive whose data is in a form that is not read.
+void refuseCompressed(const Value& primitive) {
+    if (const auto extensions = primitive.find("extensions"))
+        if (const auto draco = extensions->find("KHR_draco_mesh_compression"))
+            draco->refuse("KHR_draco_mesh_compression is not read, and the primitive has no data beside it");
+}
 
 struct MeshParts {
     PolygonMesh& mesh;
@@ -114,7 +157,7 @@ struct MeshParts {
     Welder<std::vector<glm::vec3>>& normals;
 };
 
-void readPrimitive(const Value& primitive, const Reading& reading, Accessors& accessors, MeshParts& parts) {
+void readPrimitive(const Value& primitive, const Reading& reading, Accessors& accessors, Materials& materials, MeshParts& parts) {
     reading.ignoreExtensions(primitive, {});
     const auto modeValue = primitive.find("mode");
     const uint64_t mode = modeValue ? modeValue->whole(6) : 4;
@@ -124,17 +167,18 @@ void readPrimitive(const Value& primitive, const Reading& reading, Accessors& ac
     if (const auto colours = attributes.find("COLOR_0")) reading.ignore(*colours, "vertex colours");
     const auto positionIndex = attributes.find("POSITION");
     if (!positionIndex) return reading.ignore(attributes, "primitives without POSITION");
-    PrimitiveCorners corners(primitive, *positionIndex, accessors);
-
-    const size_t count = corners.count();
-    if (mode == 4 && count % 3 != 0) primitive.refuse(fmt::format("{} vertices make no whole triangles", count));
-    if (mode != 4 && count < 3) primitive.refuse(fmt::format("{} vertices make no triangle", count));
-    const size_t triangles = mode == 4 ? count / 3 : count - 2;
+    const PrimitiveData data = dataOf(primitive, *positionIndex, accessors, reading);
+    const size_t triangles = trianglesOf(mode, data.count(), primitive, reading);
+    if (triangles == 0) return;
+    if (!data.position.hasData() || (data.indices && !data.indices->hasData())) {
+        refuseCompressed(primitive);
+        return reading.pass(primitive, "has no data; all its vertices are one point");
+    }
     accessors.countCorners(3 * triangles, primitive);
     PolygonMesh& mesh = parts.mesh;
     if (mesh.corners.size() + 3 * triangles >= kNone) primitive.refuse("the mesh has 2^32 corners or more");
-    const auto materialValue = primitive.find("material");
-    const uint32_t material = materialValue ? uint32_t(materialValue->index(reading.scene.materials.size() - 1, "materials")) + 1 : 0;
+    const uint32_t material = materials.of(primitive);
+    PrimitiveCorners corners(data, primitive, reading, parts.positions, parts.normals);
     LoadMeter meter(reading.options, "parse", kParseEnds, kParseEnds, triangles);
     for (size_t t = 0; t < triangles; ++t) {
         meter.at(t);
@@ -142,17 +186,21 @@ void readPrimitive(const Value& primitive, const Reading& reading, Accessors& ac
         const std::array<size_t, 3> at = mode == 4   ? std::array<size_t, 3>{3 * t, 3 * t + 1, 3 * t + 2}
                                          : mode == 5 ? std::array<size_t, 3>{t, t + 1 + t % 2, t + 2 - t % 2}
                                                      : std::array<size_t, 3>{t + 1, t + 2, 0};
-        for (size_t i : at) mesh.corners.push_back(corners.corner(i, parts.positions, parts.normals));
+        for (size_t i : at) mesh.corners.push_back(corners.corner(i));
         mesh.faceFirst.push_back(uint32_t(mesh.corners.size()));
         mesh.faceMaterial.push_back(material);
-        mesh.faceSmoothing.push_back(corners.hasNormals() ? kNone : 0);  // glTF 3.7.2.1: without normals, flat
+        mesh.faceSmoothing.push_back(data.normal ? kNone : 0);  // glTF 3.7.2.1: without normals, flat
     }
 }
 
 }  // namespace
 
-Meshes::Meshes(const Container& container, const Reading& reading)
-    : reading_(reading), meshes_(container.root().list("meshes")), accessors_(container, reading.options), inScene_(meshes_.size()) {}
+Meshes::Meshes(const Container& container, Materials& materials, const Reading& reading)
+    : reading_(reading),
+      materials_(materials),
+      meshes_(container.root().list("meshes")),
+      accessors_(container, reading),
+      inScene_(meshes_.size()) {}
 
 uint32_t Meshes::inScene(const Value& index) {
     const size_t i = index.index(meshes_.size(), "meshes");
@@ -170,7 +218,7 @@ uint32_t Meshes::inScene(const Value& index) {
     Welder<std::vector<glm::vec3>> normals(mesh.normals);
     MeshParts parts{mesh, positions, normals};
     meshes_[i].required("primitives");
-    for (const Value& primitive : meshes_[i].list("primitives")) readPrimitive(primitive, reading_, accessors_, parts);
+    for (const Value& primitive : meshes_[i].list("primitives")) readPrimitive(primitive, reading_, accessors_, materials_, parts);
     inScene_[i] = mesh.faceMaterial.empty() ? kNone : addMesh(reading_.scene, std::move(mesh), meshes_[i].place(), own);
     return *inScene_[i];
 }

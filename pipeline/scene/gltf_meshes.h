@@ -4,6 +4,7 @@
 
 #include "pipeline/scene/gltf_accessors.h"
 #include "pipeline/scene/gltf_container.h"
+#include "pipeline/scene/gltf_materials.h"
 #include "pipeline/scene/gltf_reading.h"
 #include "pipeline/scene/gltf_value.h"
 
@@ -16,11 +17,12 @@ namespace plumb::gltf {
 
 class Meshes {
 public:
-    Meshes(const Container& container, const Reading& reading);
+    Meshes(const Container& container, Materials& materials, const Reading& reading);
     uint32_t inScene(const Value& index);  // index into Scene::meshes; kNone: nothing to draw in it
 
 private:
     const Reading& reading_;
+    Materials& materials_;
     std::vector<Value> meshes_;
     Accessors accessors_;
     std::vector<std::optional<uint32_t>> inScene_;

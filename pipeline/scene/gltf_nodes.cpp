@@ -23,8 +23,6 @@ namespace {
 using glm::dmat4;
 using glm::dvec4;
 
-constexpr int kMaxDepth = 64;  // of the hierarchy
-
 dmat4 parentFromNode(const Value& node) {
     if (const auto matrix = node.find("matrix")) {
         for (const char* key : {"translation", "rotation", "scale"})
@@ -57,12 +55,12 @@ dmat4 parentFromNode(const Value& node) {
 
 class Nodes {
 public:
-    Nodes(const Container& container, const Reading& reading)
+    Nodes(const Container& container, Materials& materials, const Reading& reading)
         : reading_(reading),
           root_(container.root()),
           nodes_(root_.list("nodes")),
           cameras_(root_.list("cameras")),
-          meshes_(container, reading),
+          meshes_(container, materials, reading),
           visited_(nodes_.size()) {
         if (const auto extensions = root_.find("extensions"))
             if (const auto punctual = extensions->find("KHR_lights_punctual")) lights_ = punctual->list("lights");
@@ -74,7 +72,7 @@ public:
         const size_t chosen = sceneValue ? sceneValue->index(scenes.size(), "scenes") : 0;
         if (!scenes.empty()) {
             if (scenes.size() > 1) reading_.ignore(scenes[chosen == 0 ? 1 : 0], "scenes but the default one");
-            for (const Value& node : scenes[chosen].list("nodes")) readNode(node.index(nodes_.size(), "nodes"), dmat4(1.0), 1);
+            for (const Value& node : scenes[chosen].list("nodes")) readTree(node.index(nodes_.size(), "nodes"));
             return;
         }
         // Without scenes, what no node has as a child is a root.
@@ -82,13 +80,29 @@ public:
         for (const Value& node : nodes_)
             for (const Value& child : node.list("children")) isChild[child.index(nodes_.size(), "nodes")] = true;
         for (size_t i = 0; i < nodes_.size(); ++i)
-            if (!isChild[i]) readNode(i, dmat4(1.0), 1);
+            if (!isChild[i]) readTree(i);
     }
 
 private:
-    void readNode(size_t i, const dmat4& worldFromParent, int depth) {
+    struct Reached {
+        size_t node;
+        dmat4 worldFromParent;
+    };
+
+    // Reads a node and all below it, each before its children. A tree may have any depth.
+    void readTree(size_t root) {
+        std::vector<Reached> reached{{root, dmat4(1.0)}};
+        while (!reached.empty()) {
+            const Reached next = reached.back();
+            reached.pop_back();
+            const dmat4 worldFromNode = readNode(next.node, next.worldFromParent);
+            const std::vector<Value> children = nodes_[next.node].list("children");
+            for (size_t i = children.size(); i-- > 0;) reached.push_back({children[i].index(nodes_.size(), "nodes"), worldFromNode});
+        }
+    }
+
+    dmat4 readNode(size_t i, const dmat4& worldFromParent) {
         const Value& node = nodes_[i];
-        if (depth > kMaxDepth) node.refuse(fmt::format("nodes are nested deeper than {}", kMaxDepth));
         if (visited_[i]) node.refuse("is reached twice: a cycle, or a node with two parents");
         visited_[i] = true;
         const dmat4 worldFromNode = worldFromParent * parentFromNode(node);
@@ -100,7 +114,7 @@ private:
         if (const auto extensions = node.find("extensions"))
             if (const auto punctual = extensions->find("KHR_lights_punctual"))
                 readLight(punctual->required("light"), lights_, worldFromNode, reading_);
-        for (const Value& child : node.list("children")) readNode(child.index(nodes_.size(), "nodes"), worldFromNode, depth + 1);
+        return worldFromNode;
     }
 
     void addObject(const Value& node, const Value& meshIndex, const dmat4& worldFromNode) {
@@ -127,6 +141,6 @@ private:
 
 }  // namespace
 
-void readNodes(const Container& container, const Reading& reading) { Nodes(container, reading).read(); }
+void readNodes(const Container& container, Materials& materials, const Reading& reading) { Nodes(container, materials, reading).read(); }
 
 }  // namespace plumb::gltf

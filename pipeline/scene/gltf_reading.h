@@ -5,6 +5,7 @@
 #include "pipeline/scene/gltf_value.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/scene.h"
+#include "pipeline/scene/tolerance.h"
 
 #include <initializer_list>
 #include <string>
@@ -15,9 +16,14 @@ namespace plumb::gltf {
 struct Reading {
     const LoadOptions& options;
     Scene& scene;
+    Tolerance& tolerance;
 
     // Names a kind of what the file asks for and no pass draws, once. With `strict` it is refused at `at`.
     void ignore(const Value& at, const std::string& what) const;
+    // Passes over one more of `kind`, by the rule of tolerance.h.
+    void pass(const Value& at, std::string_view kind) const {
+        tolerance.pass(kind, [&] { return at.place(); });
+    }
     // Ignores each extension of `owner` that is not `known`.
     void ignoreExtensions(const Value& owner, std::initializer_list<std::string_view> known) const;
 };

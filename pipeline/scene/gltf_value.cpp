@@ -41,6 +41,13 @@ size_t Value::size() const {
 
 Value Value::element(size_t i) const { return Value(*file_, (*node_)[i], fmt::format("{}/{}", pointer_, i)); }
 
+Value Value::elementOf(size_t i, size_t count) const {
+    if (size() != count) refuse(fmt::format("has {} numbers, not {}", size(), count));
+    return element(i);
+}
+
+bool Value::isObject() const { return node_->is_object(); }
+
 std::vector<std::string> Value::keys() const {
     wanted(node_->is_object(), "an object");
     std::vector<std::string> names;
@@ -55,7 +62,7 @@ double Value::number(double least, double most) const {
     wanted(node_->is_number(), "a number");
     const double value = node_->get<double>();
     if (!std::isfinite(value)) refuse("is not finite");
-    if (value < least || value > most) refuse(fmt::format("is {:g}, outside {:g} to {:g}", value, least, most));
+    if (value < least || value > most) refuse(fmt::format("is {}, outside {:g} to {:g}", value, least, most));
     return value;
 }
 

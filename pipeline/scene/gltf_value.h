@@ -39,11 +39,12 @@ public:
     bool boolean() const;
     template <size_t N>
     std::array<double, N> numbers(double least, double most) const {
-        if (size() != N) refuse(fmt::format("has {} numbers, not {}", size(), N));
         std::array<double, N> values;
-        for (size_t i = 0; i < N; ++i) values[i] = element(i).number(least, most);
+        for (size_t i = 0; i < N; ++i) values[i] = elementOf(i, N).number(least, most);
         return values;
     }
+    Value elementOf(size_t i, size_t count) const;  // of an array of `count` numbers
+    bool isObject() const;
 
 private:
     void wanted(bool is, const char* kind) const;

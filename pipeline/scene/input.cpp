@@ -76,7 +76,7 @@ FileFormat formatOfText(std::string_view text) {
         std::string lower(word);
         for (char& c : lower)
             if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-        if (lower == "solid") return FileFormat::stl;
+        if (lower == "solid" || lower == "facet") return FileFormat::stl;
         std::string_view off = word;  // [ST][C][N]OFF, and its counts where some writers glue them to it
         for (const std::string_view prefix : {"ST", "C", "N"})
             if (off.starts_with(prefix)) off.remove_prefix(prefix.size());
@@ -111,6 +111,7 @@ FileFormat formatOfExtension(const fs::path& path) {
 
 FileFormat formatOfContent(std::string_view head, uint64_t size) {
     if (head.starts_with("glTF")) return FileFormat::gltf;
+    if (head.starts_with("\xef\xbb\xbfply")) head.remove_prefix(3);
     if (head.starts_with("ply") && head.size() > 3 && (head[3] == '\n' || head[3] == '\r')) return FileFormat::ply;
     constexpr uint64_t kStlHeader = 84, kFacet = 50;
     if (head.size() >= kStlHeader) {
@@ -135,16 +136,20 @@ FileFormat formatOfInput(const fs::path& path, const LoadOptions& options) {
     refuseFolder(path);
     if (!options.format.empty()) return formatNamed(options.format);
     FileFormat format = FileFormat::unknown;
+    std::string head;
     if (const auto once = options.once->find(path.native()); once != options.once->end()) {
         format = formatOfExtension(path);
         if (format == FileFormat::unknown && once->second.empty()) throw inputError(printablePath(path), "it is empty");
-        if (format == FileFormat::unknown)
-            format = formatOfContent(std::string_view(once->second).substr(0, kHeadBytes), once->second.size());
+        head = once->second.substr(0, kHeadBytes);
+        if (format == FileFormat::unknown) format = formatOfContent(head, once->second.size());
     } else {
         std::error_code failed;
         if (formatOfExtension(path) == FileFormat::unknown && !fs::exists(path, failed)) readWholeFile(path);  // refuses, and says why
         format = formatOfReference(path, options);
+        if (format == FileFormat::unknown) head = headOf(path);
     }
+    if (const char* encoding = format == FileFormat::unknown ? otherEncoding(head) : nullptr)
+        throw inputError(printablePath(path), fmt::format("the text is {}; only UTF-8 is read", encoding));
     return format == FileFormat::unknown ? unknownFormat(path, "obj, ply, stl, off, gltf, toml") : format;
 }
 
@@ -203,6 +208,12 @@ std::string readInput(const fs::path& path, const LoadOptions& options, uint64_t
     return readWholeFileTelling(path, maxBytes, [&](uint64_t done, uint64_t size) {
         LoadMeter(options, "read", kReadEnds * double(done) / double(std::max<uint64_t>(1, size)), kReadEnds, 1);
     });
+}
+
+std::string readTextInput(const fs::path& path, const LoadOptions& options) {
+    std::string text = readInput(path, options);
+    takeByteOrderMark(text, path);
+    return text;
 }
 
 void LoadMeter::tell(uint64_t done) {

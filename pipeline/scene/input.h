@@ -32,6 +32,8 @@ bool isReadOnce(const std::filesystem::path&);
 void rememberOnce(const std::filesystem::path&, const LoadOptions&);
 // Bytes of a file, or the remembered bytes of an input that can be read only once.
 std::string readInput(const std::filesystem::path&, const LoadOptions&, uint64_t maxBytes = kMaxFileBytes);
+// Text of an input, without a byte order mark. A text of another encoding than UTF-8 is refused.
+std::string readTextInput(const std::filesystem::path&, const LoadOptions&);
 
 // File whose folder holds the files that an input names. For bytes from a pipe or a descriptor (/dev/stdin, <(...)): a file in the current
 // folder.

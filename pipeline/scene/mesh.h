@@ -71,6 +71,7 @@ struct TriangleMesh {
     uint32_t repairedNormals = 0;           // zero or opposite vertex normals replaced by the face normal
     uint32_t flushedDenormals = 0;          // |x| < 2^-126 set to +0
     uint32_t selfCrossingFaces = 0;         // no ear was left: the rest of the face was cut as a fan
+    uint32_t uncutFaces = 0;                // concave and too large to triangulate: they have no triangles
     uint32_t firstSelfCrossing = kNone;     // index of the first self-crossing face
     std::string place;                      // where the file states its faces: file:line:column, or the file; for messages
     glm::vec3 boundsMin{0}, boundsMax{0};   // box of the positions, relative to the origin

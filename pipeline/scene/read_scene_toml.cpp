@@ -3,6 +3,7 @@
 #include "pipeline/scene/sha256.h"
 #include "pipeline/scene/toml_scene.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -71,6 +72,8 @@ toml::table parsed(const std::string& text, const LoadOptions& options) {
 
 Scene SceneFile::read() {
     const std::string text = readInput(path_, options_, kMaxSceneFileBytes);
+    if (const char* encoding = otherEncoding(text))
+        throw inputError(placeOfLine(path_, 1, 1), fmt::format("the text is {}; only UTF-8 is read", encoding));
     refuseDeepKeys(text);
     toml::table root;
     try {

@@ -165,6 +165,30 @@ std::filesystem::path resolveReference(const std::filesystem::path& from, std::s
     return target;
 }
 
+const char* otherEncoding(std::string_view bytes) {
+    for (const std::string_view mark : {std::string_view("\xff\xfe\0\0", 4), std::string_view("\0\0\xfe\xff", 4)})
+        if (bytes.starts_with(mark)) return "UTF-32";
+    for (const std::string_view mark : {"\xff\xfe", "\xfe\xff"})
+        if (bytes.starts_with(mark)) return "UTF-16";
+    // Without a mark: ASCII with a NUL byte before or behind each character.
+    constexpr size_t kBytes = 8;
+    const std::string_view head = bytes.substr(0, kBytes);
+    const auto isText = [&](size_t first) {
+        for (size_t i = 0; i < kBytes; ++i) {
+            const uint8_t byte = uint8_t(head[i]);
+            if (i % 2 == first ? byte != '\t' && byte != '\n' && byte != '\r' && (byte < 0x20 || byte > 0x7e) : byte != 0) return false;
+        }
+        return true;
+    };
+    return head.size() == kBytes && (isText(0) || isText(1)) ? "UTF-16" : nullptr;
+}
+
+void takeByteOrderMark(std::string& text, const std::filesystem::path& file) {
+    if (const char* encoding = otherEncoding(text))
+        throw inputError(placeOfLine(file, 1, 1), fmt::format("the text is {}; only UTF-8 is read", encoding));
+    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+}
+
 float finiteFloat(double value, const std::string& place, std::string_view field, double limit) {
     if (std::isnan(value)) throw inputError(place, fmt::format("{} is NaN", field));
     if (std::isinf(value)) throw inputError(place, fmt::format("{} is infinite", field));

@@ -42,6 +42,11 @@ size_t editDistance(std::string_view a, std::string_view b, Letters letters);
 // than `maxBytes`, before anything is allocated; a file that shrinks while it is read.
 std::string readWholeFile(const std::filesystem::path&, uint64_t maxBytes = kMaxFileBytes);
 
+// Name of a text's encoding that no reader takes, by its first bytes: "UTF-16" or "UTF-32"; null for all other bytes.
+const char* otherEncoding(std::string_view bytes);
+// Takes the byte order mark of UTF-8 off a text. A text of UTF-16 or UTF-32 is refused.
+void takeByteOrderMark(std::string& text, const std::filesystem::path&);
+
 // Path of a reference written in file `from`, e.g. of a material library. Unless `allowOutside`, it must be relative, contain no "..", and
 // resolve (symbolic links included) to something in the folder of `from` or below. `place` is where it is written, `field` its name. The
 // file need not exist.

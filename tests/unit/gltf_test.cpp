@@ -424,12 +424,12 @@ std::vector<BadDocument> badDocuments() {
     put("/meshes/0/primitives/0/attributes/POSITION", 2, "not an accessor of VEC3");
     put("/meshes/0/primitives/0/attributes", 2, "not an object");
     drop("/meshes/0/primitives/0", "attributes", "has no 'attributes'");
-    drop("/accessors/0", "bufferView", "has no bufferView");
+    drop("/accessors/0", "bufferView", "has no data", "/");
     drop("/accessors/0", "count", "has no 'count'");
     drop("/accessors/0", "type", "has no 'type'");
     drop("/accessors/0", "componentType", "has no 'componentType'");
     put("/accessors/0/bufferView", 3, "there are 3 bufferViews");
-    put("/accessors/0/count", 0, "is 0");
+    put("/accessors/0/count", 0, "NORMAL has 4 elements, POSITION has 0", "/meshes/0/primitives/0/attributes/NORMAL");
     put("/accessors/0/count", 5, "48 bytes");
     put("/accessors/0/count", 1000000000, "48 bytes");
     put("/accessors/0/count", 18446744073709551615u, "48 bytes");
@@ -441,11 +441,11 @@ std::vector<BadDocument> badDocuments() {
     put("/accessors/0/componentType", 5127, "no component type");
     put("/accessors/0/normalized", 1, "not true or false");
     put("/accessors/1/count", 3, "NORMAL has 3 elements, POSITION has 4", "/meshes/0/primitives/0/attributes/NORMAL");
-    put("/accessors/2/count", 5, "no whole triangles", "/meshes/0/primitives/0");
+    put("/accessors/2/count", 2, "fewer than 3 vertices", "/");
     put("/bufferViews/0/buffer", 1, "there are 1 buffers");
     put("/bufferViews/0/byteLength", 109, "109 bytes at 0 of a buffer of 108");
     put("/bufferViews/0/byteOffset", 100, "48 bytes at 100", "/bufferViews/0/byteLength");
-    put("/bufferViews/0/byteStride", 3, "below 4");
+    put("/bufferViews/0/byteStride", 3, "elements of 12 bytes lie 3 apart", "/accessors/0");
     put("/bufferViews/0/byteStride", 8, "elements of 12 bytes lie 8 apart", "/accessors/0");
     put("/bufferViews/0/byteStride", 256, "above 252");
     drop("/bufferViews/0", "byteLength", "has no 'byteLength'");
@@ -462,13 +462,17 @@ std::vector<BadDocument> badDocuments() {
     put("/buffers/0/uri", "data:;base64,AAAA*AAA", "'*' is not a base64 digit");
     put("/buffers/0/uri", "data:;base64,AAAAA", "cut short");
     put("/buffers/0/uri", "data:;base64,AAAA", "the data has 3 bytes", "/buffers/0/byteLength");
-    put("/materials", json::parse(R"([{"pbrMetallicRoughness": {"roughnessFactor": 2}}])"), "outside 0 to 1",
-        "/materials/0/pbrMetallicRoughness/roughnessFactor");
-    put("/materials", json::parse(R"([{"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1]}}])"), "has 3 numbers",
-        "/materials/0/pbrMetallicRoughness/baseColorFactor");
-    put("/materials", json::parse(R"([{"emissiveFactor": [0, -1, 0]}])"), "outside 0 to 1", "/materials/0/emissiveFactor/1");
-    put("/materials", json::parse(R"([{"doubleSided": "yes"}])"), "not true or false", "/materials/0/doubleSided");
-    put("/materials", json::parse(R"(["red"])"), "not an object", "/materials/0");
+    // Materials are refused where a primitive has them.
+    const auto painted = [&](const char* material, const std::string& words, const std::string& place) {
+        json document = with("/materials", json::array({json::parse(material)}));
+        document["meshes"][0]["primitives"][0]["material"] = 0;
+        rows.push_back({document, "/materials/0" + place, words});
+    };
+    painted(R"({"pbrMetallicRoughness": {"roughnessFactor": "2"}})", "not a number", "/pbrMetallicRoughness/roughnessFactor");
+    painted(R"({"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1]}})", "has 3 numbers", "/pbrMetallicRoughness/baseColorFactor");
+    painted(R"({"emissiveFactor": [0, null, 0]})", "is null, not a number", "/emissiveFactor/1");
+    painted(R"({"doubleSided": "yes"})", "not true or false", "/doubleSided");
+    painted(R"("red")", "not an object", "");
     put("/extensions", json::parse(R"({"KHR_lights_punctual": {"lights": 3}})"), "not an array", "/extensions/KHR_lights_punctual/lights");
     // Lights and cameras are looked at where a node uses them.
     const auto lit = [&](const char* light, const std::string& words, const std::string& place) {
@@ -497,11 +501,6 @@ std::vector<BadDocument> badDocuments() {
     json twoParents = quad();
     twoParents["nodes"] = json::parse(R"([{"children": [1, 2]}, {"children": [2]}, {"mesh": 0}])");
     rows.push_back({twoParents, "/nodes/2", "is reached twice"});
-    json chain = quad();
-    chain["nodes"] = json::array();
-    for (int i = 0; i < 100; ++i) chain["nodes"].push_back({{"mesh", 0}, {"children", {i + 1}}});
-    chain["nodes"].push_back({{"mesh", 0}});
-    rows.push_back({chain, "/nodes/64", "nested deeper than 64"});
     return rows;
 }
 
@@ -526,8 +525,6 @@ TEST(Gltf, NanAndInfinityNameAccessorAndElement) {
         {28, kInfinity, "/accessors/0", "element 2: POSITION y is infinite"},
         {44, -kInfinity, "/accessors/0", "element 3: POSITION z is infinite"},
         {36, 1e31f, "/accessors/0", "element 3: POSITION x is above 2^100"},
-        {48, kNan, "/accessors/1", "element 0: NORMAL x is NaN"},
-        {92, kInfinity, "/accessors/1", "element 3: NORMAL z is infinite"},
     };
     for (const auto& row : rows) {
         std::string bytes = quadBytes();
@@ -537,6 +534,128 @@ TEST(Gltf, NanAndInfinityNameAccessorAndElement) {
     std::string bytes = quadBytes();
     bytes[102] = 4;
     EXPECT_EQ(refusal(quad(), bytes), "quad.gltf: /accessors/2: element 3 is vertex 4, but POSITION has 4");
+}
+
+// What is passed over: the change, what the scene then warns of, and the triangles that are left.
+TEST(Gltf, WhatIsNotDrawnIsPassedOverAndNamed) {
+    json empty = quad(), few = quad(), noData = quad(), chain = quad(), badMaterial = quad(), strided = quad();
+    empty["accessors"].push_back({{"componentType", 5126}, {"count", 0}, {"type", "VEC3"}});
+    empty["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 3}}}});
+    few["accessors"].push_back({{"bufferView", 0}, {"componentType", 5126}, {"count", 2}, {"type", "VEC3"}});
+    few["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 3}}}, {"mode", 5}});
+    noData["accessors"].push_back({{"componentType", 5126}, {"count", 3999999999999}, {"type", "VEC3"}});
+    noData["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 3}}}});
+    noData["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 3}}}});
+    chain["nodes"] = json::array();
+    for (int i = 0; i < 100000; ++i) chain["nodes"].push_back({{"children", {i + 1}}});
+    chain["nodes"].push_back({{"mesh", 0}});
+    badMaterial["materials"] = json::parse(R"([{}, {"emissiveFactor": "white"}])");
+    strided["bufferViews"][2]["byteStride"] = 2;
+    const std::string place = "/meshes/0/primitives/1: ";
+    const struct {
+        json document;
+        std::string warning;
+        size_t triangles = 2;
+    } rows[] = {
+        {empty, place + "is empty; it is passed over"},
+        {few, place + "has fewer than 3 vertices; it is passed over"},
+        {noData, place + "has no data; all its vertices are one point (2 times)"},
+        {chain, ""},
+        {badMaterial, "/materials/1: cannot be read; nothing that is drawn has this material"},
+        {with("/accessors/2/count", 5), "/meshes/0/primitives/0: has vertices left over that make no whole triangle; they are not drawn",
+         1},
+        {with("/bufferViews/0/byteStride", 0), "/bufferViews/0/byteStride: is 0; it counts as not stated"},
+        {strided, "/bufferViews/2/byteStride: is below the least byteStride of glTF, 4"},
+    };
+    LoadOptions strict;
+    strict.strict = true;
+    for (const auto& row : rows) {
+        const Scene scene = load(row.document);
+        EXPECT_EQ(scene.meshes.at(0).triangles.size(), row.triangles) << row.warning;
+        EXPECT_EQ(scene.warnings.size(), row.warning.empty() ? 0u : 1u);
+        for (const std::string& warning : scene.warnings) EXPECT_TRUE(warning.ends_with("quad.gltf: " + row.warning)) << warning;
+        EXPECT_EQ(refusal(row.document, quadBytes(), strict).empty(), row.warning.empty()) << row.warning;
+    }
+    std::string bytes = quadBytes();
+    for (const float bad : {kNan, kInfinity, 1e31f}) {
+        std::memcpy(bytes.data() + 48, &bad, 4);
+        const Scene scene = load(quad(), bytes);
+        ASSERT_EQ(scene.warnings.size(), 1u);
+        EXPECT_NE(scene.warnings[0].find("a NORMAL is not finite; it counts as not stated"), std::string::npos) << scene.warnings[0];
+        for (const glm::vec3& normal : scene.meshes.at(0).normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
+    }
+    json zeros = quad();
+    zeros["accessors"][1].erase("bufferView");
+    const Scene scene = load(zeros);
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_NE(scene.warnings[0].find("NORMAL has no data; it counts as not stated"), std::string::npos) << scene.warnings[0];
+}
+
+TEST(Gltf, DataInAFormThatIsNotReadIsNamed) {
+    json document = quad();
+    document["accessors"][0].erase("bufferView");
+    document["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
+    EXPECT_NE(
+        refusal(document).find("/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression: KHR_draco_mesh_compression is not read"),
+        std::string::npos)
+        << refusal(document);
+    document = quad();
+    document["asset"] = json::object();
+    document["meshes"] = {{"mesh_0", json::object()}};
+    EXPECT_EQ(refusal(document), "quad.gltf: /: glTF 1.0; only 2.0 is read");
+    TemporaryFolder folder;
+    std::string wide;
+    for (const char c : quad().dump()) wide += {c, '\0'};
+    EXPECT_EQ(refusal(folder, folder.write("quad.gltf", wide)), "quad.gltf:1:1: the text is UTF-16; only UTF-8 is read");
+}
+
+TEST(Gltf, ExtensionsThatConcernSurfacesOnlyMayBeRequired) {
+    LoadOptions strict;
+    strict.strict = true;
+    for (const char* name :
+         {"KHR_texture_basisu", "EXT_texture_webp", "MSFT_texture_dds", "KHR_materials_transmission", "KHR_materials_variants"}) {
+        const json document = with("/extensionsRequired", json::array({name}));
+        const std::vector<std::string> ignored = load(document).ignored;
+        EXPECT_EQ(ignored.back(), std::string("extension ") + name);
+        EXPECT_EQ(ignored.size() == 2 && ignored[0] == "textures", std::string(name).find("_texture_") != std::string::npos) << name;
+        EXPECT_NE(refusal(document, quadBytes(), strict), "") << name;
+    }
+    for (const char* name : {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "CESIUM_RTC"})
+        EXPECT_NE(refusal(with("/extensionsRequired", json::array({name}))).find(name), std::string::npos);
+}
+
+// Factors that would make the picture white, or that a writer rounded the wrong way.
+TEST(Gltf, FactorsOutsideTheirRangeAreClampedWithTheirDigits) {
+    json document = with("/materials", json::parse(R"([
+        {"pbrMetallicRoughness": {"baseColorFactor": [1.00000012, -0.5, 0.25, 1], "roughnessFactor": 2}, "emissiveFactor": [2.5, 0, 0],
+         "extensions": {"KHR_materials_ior": {"ior": 1000}}},
+        {"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0}},
+        {"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 1], "baseColorTexture": {"index": 0}}, "extensions": {"KHR_materials_unlit": {}}},
+        {"name": "paint", "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 1, 1]}, "extensions": {"KHR_materials_pbrSpecularGlossiness":
+         {"diffuseFactor": [1, 0.25, 0, 1], "specularFactor": [0.04, 0.04, 0.04], "glossinessFactor": 0.5}}}])"));
+    const Scene scene = load(document);
+    const Material& clamped = scene.materials.at(1);
+    EXPECT_EQ(clamped.diffuse, glm::vec3(1, 0, 0.25f));
+    EXPECT_EQ(clamped.emission, glm::vec3(1, 0, 0));
+    EXPECT_EQ(clamped.refractiveIndex, 1000);
+    EXPECT_EQ(scene.materials.at(2).emission, glm::vec3(0));
+    EXPECT_EQ(scene.materials.at(2).diffuse, glm::vec3(1));
+    EXPECT_EQ(scene.materials.at(3).emission, glm::vec3(0));
+    EXPECT_EQ(scene.materials.at(3).diffuse, glm::vec3(0.5f, 0.25f, 1));
+    const Material& paint = scene.materials.at(4);
+    EXPECT_EQ(paint.diffuse, glm::vec3(1, 0.25f, 0));
+    EXPECT_FLOAT_EQ(paint.specular.r, 0.16f);  // 0.04 / (4 a^2), a = 1/4
+    EXPECT_FLOAT_EQ(paint.shininess, 30);
+    EXPECT_EQ(scene.ignored, std::vector<std::string>{"textures"});
+    ASSERT_EQ(scene.warnings.size(), 3u);
+    EXPECT_TRUE(scene.warnings[0].ends_with(
+        "/materials/0/pbrMetallicRoughness/baseColorFactor/0: is 1.00000012, outside 0 to 1; it is clamped (4 times)"))
+        << scene.warnings[0];
+    EXPECT_NE(scene.warnings[1].find("/materials/1/emissiveTexture: is not drawn"), std::string::npos) << scene.warnings[1];
+    EXPECT_NE(scene.warnings[2].find("/materials/2/extensions/KHR_materials_unlit: its texture is not drawn"), std::string::npos);
+    LoadOptions strict;
+    strict.strict = true;
+    EXPECT_NE(refusal(document, quadBytes(), strict).find("is 1.00000012, outside 0 to 1; it is clamped (--strict)"), std::string::npos);
 }
 
 TEST(Gltf, JsonErrorsNameLineAndColumn) {

@@ -15,10 +15,10 @@
 #include <unistd.h>
 #include <bit>
 #include <cctype>
-#include <chrono>
 #include <clocale>
 #include <cstdint>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <glm/glm.hpp>
@@ -154,15 +154,17 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
         {"a.obj", "v 1,5 2 3\n", "a.obj:1:3: vertex x '1,5' is not a number"},
         {"a.obj", "v 0x10 2 3\n", "a.obj:1:3: vertex x '0x10' is not a number"},
         {"a.obj", "v 1 2 +-3\n", "a.obj:1:7: vertex z '+-3' is not a number"},
-        {"a.obj", "v 1 2 3 4 5\n", "a.obj:1:12: vertex has 5 numbers"},
-        {"a.obj", "v 1 2 3 4 5 6 7 8\n", "a.obj:1:17: vertex has more than 7 numbers"},
         {"a.obj", "\n\n  v 1e31 2 3\n", "a.obj:3:5: vertex x is 1e31; the largest magnitude is"},
         {"a.obj", "v 1 -1e99 3\n", "a.obj:1:5: vertex y is -1e99; the largest magnitude is"},
-        {"a.obj", "vn 1 nan 3\n", "a.obj:1:6: normal y is NaN"},
-        {"a.obj", "vn 1 0\n", "a.obj:1:7: normal z is missing"},
-        {"a.obj", "vt inf\n", "a.obj:1:4: texture coordinate u is infinite"},
-        {"a.obj", kVertices + "f 1 2\n", "a.obj:4:6: face has 2 corners"},
-        {"a.obj", kVertices + "f\n", "a.obj:4:2: face has 0 corners"},
+        {"a.obj", "v nan 2 3\nv 0 0 0\nv 0 1 0\nf 2 3 1\n", "a.obj:1:3: vertex x is NaN"},
+        {"a.obj", kVertices + "f 1 2\n", "a.obj:5:1: the file ends and has no face"},
+        {"a.obj", kVertices + "l 1 2\np 1\n", "a.obj:6:1: the file has only lines (l) and points (p); they are not drawn"},
+        {"a.obj", std::string("\xff\xfev\0 \0", 6), "a.obj:1:1: the text is UTF-16; only UTF-8 is read"},
+        {"a.obj",
+         std::string("v\0 \0"
+                     "0\0 \0",
+                     8),
+         "a.obj:1:1: the text is UTF-16; only UTF-8 is read"},
         {"a.obj", kVertices + "f 1 2 0\n", "a.obj:4:7: face corner: the vertex index is 0"},
         {"a.obj", kVertices + "f 1 2 4\n", "a.obj:4:7: face corner: the vertex index is out of range; 3 are defined"},
         {"a.obj", kVertices + "f 1 2 -4\n", "a.obj:4:7: face corner: the vertex index is out of range; 3 are defined so far"},
@@ -171,14 +173,8 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
         {"a.obj", kVertices + "f 1 2 4294967295\n", "a.obj:4:7: face corner: the vertex index is out of range"},
         {"a.obj", kVertices + "f 1 2 3.5\n", "a.obj:4:7: face corner '3.5' is not v, v/vt, v//vn or v/vt/vn"},
         {"a.obj", kVertices + "f 1 2 x\n", "a.obj:4:7: face corner 'x': the vertex index is not an integer"},
-        {"a.obj", kVertices + "f 1/1 2/1 3/1\n", "a.obj:4:3: face corner: the texture coordinate index is out of range; 0 are defined"},
-        {"a.obj", kVertices + "f 1//1 2//1 3//1\n", "a.obj:4:3: face corner: the normal index is out of range; 0 are defined"},
-        {"a.obj", kVertices + "f 1// 2// 3//\n", "a.obj:4:3: face corner '1//': the normal index is not an integer"},
-        {"a.obj", kVertices + "f 1/0/1 2 3\n", "a.obj:4:3: face corner: the texture coordinate index is 0"},
-        {"a.obj", kVertices + "f 1 2 3/1/1/1\n", "a.obj:4:7: face corner"},
         {"a.obj", kVertices + "s many\n", "a.obj:4:3: smoothing group 'many' is not an integer"},
         {"a.obj", kVertices + "s -1\n", "a.obj:4:3: smoothing group is out of range"},
-        {"a.obj", kVertices + "mtllib\n", "a.obj:4:7: material library is missing"},
         {"a.obj", "\x89PNG\r\n\x1a\n", "a.obj:1:1: '\\x89PNG' is not an OBJ statement"},
         {"a.obj", longWord, "a.obj:1:1: 'xxxxxxxx"},
         {"a.obj", std::string("v 1 2 3\0\n", 9), "a.obj:1:7: vertex z '3\\x00' is not a number"},
@@ -188,16 +184,14 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
         {"a.stl", std::string(84, '\0'), "a.stl: byte 80: facet count is 0"},
         {"a.stl", std::string(80, 'h') + std::string("\xff\xff\xff\xff", 4),
          "a.stl: byte 80: facet count is 4294967295, which takes 214748364834 bytes; the file has 84"},
-        {"a.stl", binarySolid() + "x", "a.stl: byte 80: facet count is 1, which takes 134 bytes; the file has 135"},
         {"a.stl", "solid s\nendsolid s\n", "a.stl:3:1: the file ends and has no face"},
-        {"a.stl", "solid s\n", "a.stl:2:1: the file ends where 'facet' or 'endsolid' is expected"},
         {"a.stl", replaced(kSolid, "outer loop", "outer lop"), "a.stl:3:7: 'lop' where 'loop' is expected"},
         {"a.stl", replaced(kSolid, "vertex 1 0 0", "vertex 1 0"), "a.stl:6:1: vertex z 'vertex' is not a number"},
-        {"a.stl", replaced(kSolid, "vertex 0 1 0\n", ""), "a.stl:6:1: 'endloop' where 'vertex' is expected"},
+        {"a.stl", "solid s\n", "a.stl:2:1: the file ends and has no face"},
+        {"a.stl", replaced(kSolid, "vertex 0 1 0\n", ""), "a.stl:9:1: the file ends and has no face"},
+        {"a.stl", replaced(kSolid, "facet normal 0 0 1\n", ""), "a.stl:2:1: 'outer' where 'facet' or 'endsolid' is expected"},
         {"a.stl", replaced(kSolid, "endloop", "vertex 1 1 1\nendloop"), "a.stl:7:1: 'vertex' where 'endloop' is expected"},
         {"a.stl", replaced(kSolid, "vertex 1 0 0", "vertex 1 -inf 0"), "a.stl:5:10: vertex y is infinite"},
-        {"a.stl", replaced(kSolid, "normal 0 0 1", "normal nan nan nan"), "a.stl:2:14: normal x is NaN"},
-        {"a.stl", replaced(kSolid, "endsolid s", "endsolid s\nmore"), "a.stl:10:1: 'more' where 'solid' or the end is expected"},
         // OFF
         {"a.off", "", "a.off:1:1: '' is not OFF"},
         {"a.off", "ON\n", "a.off:1:1: 'ON' is not OFF"},
@@ -210,14 +204,11 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
         {"a.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", "a.off:2:3: face count is 0"},
         {"a.off", replaced(kOff, "3 1 0", "1000000000 1 0"), "a.off:2:1: vertex count is 1000000000; the rest of the file holds at most 5"},
         {"a.off", replaced(kOff, "3 1 0", "3 1000000000 0"), "a.off:2:3: face count is 1000000000; the rest of the file holds at most 3"},
-        {"a.off", replaced(kOff, "3 1 0", "3 1 x"), "a.off:2:5: edge count 'x' is not an integer"},
         {"a.off", replaced(kOff, "0 1 0\n", "0 nan 0\n"), "a.off:5:3: vertex y is NaN"},
         {"a.off", replaced(kOff, "3 0 1 2", "3 0 1 3"), "a.off:6:7: vertex index is 3; there are 3 vertices"},
         {"a.off", replaced(kOff, "3 0 1 2", "3 0 1 -1"), "a.off:6:7: vertex index is -1"},
-        {"a.off", replaced(kOff, "3 0 1 2", "2 0 1"), "a.off:6:1: face has 2 corners"},
+        {"a.off", replaced(kOff, "3 0 1 2", "2 0 1"), "a.off:7:1: no face has 3 corners or more: the file has no face"},
         {"a.off", replaced(kOff, "3 0 1 2", "999999999999 0 1 2"), "a.off:7:1: vertex index is missing"},
-        {"a.off", kOff + "3 0 1 2\n", "a.off:7:1: more data than 3 vertices and 1 faces"},
-        {"a.off", replaced(kOff, "OFF", "COFF"), "a.off:3:6: vertex colour is missing"},
         {"a.off", replaced(replaced(kOff, "OFF", "NOFF"), "0 1 0\n", "0 1 0 0 0\n"), "a.off:"},
         // PLY
         {"a.ply", "", "a.ply:1:1: the file does not begin with 'ply'"},
@@ -244,7 +235,7 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
         {"a.ply", replaced(kPlyHeader, "list uchar int", "list uchar float") + kPlyBody,
          "a.ply:8:27: property vertex_indices is not a list of integers"},
         {"a.ply", "ply\nformat ascii 1.0\nproperty float x\n", "a.ply:3:1: property comes before the first element"},
-        {"a.ply", replaced(kPlyHeader, "format", "formula") + kPlyBody, "a.ply:2:1: 'formula' is not a header keyword"},
+        {"a.ply", replaced(kPlyHeader, "format", "formula") + kPlyBody, "a.ply:9:1: the header has no format"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0\n", "a.ply:3:16: element vertex has a count of 3; the rest of the file holds at most 1"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n", "a.ply:12:3: vertex 2 property y is NaN"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1e40 0\n3 0 1 2\n",
@@ -252,11 +243,10 @@ TEST(SceneRefusals, NameThePlaceAndTheField) {
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 zero 0\n3 0 1 2\n", "a.ply:12:3: vertex 2 property y 'zero' is not a number"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a.ply:13:7: face 0 property vertex_indices is 3; there are 3 vertices"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "a.ply:13:7: face 0 property vertex_indices is negative: -1"},
-        {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "a.ply:13:1: face 0 property vertex_indices has 2 entries"},
+        {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "a.ply:7:14: element face has no face of 3 corners or more"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n256 0 1 2\n",
          "a.ply:13:1: face 0 property vertex_indices is 256, which its type cannot hold"},
         {"a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n", "a.ply:14:1: face 0 property vertex_indices is missing"},
-        {"a.ply", kPlyHeader + kPlyBody + "7\n", "a.ply:14:1: more data than the header says"},
         {"a.ply", replaced(binaryPly(), "vertex 3", "vertex 4000000000"),
          "a.ply:3:16: element vertex has a count of 4000000000; the rest of the file holds at most 4"},
         {"a.ply", binaryPly().substr(0, binaryPly().size() - 1), "a.ply: byte "},
@@ -292,7 +282,7 @@ TEST(SceneRefusals, OfAMaterialLibraryNameItsOwnPlace) {
     for (const auto& [text, want] : rows) {
         const TemporaryFolder folder;
         folder.write("a.mtl", text);
-        const fs::path path = folder.write("a.obj", "mtllib a.mtl\n" + kVertices + "f 1 2 3\n");
+        const fs::path path = folder.write("a.obj", "mtllib a.mtl\nusemtl a\n" + kVertices + "f 1 2 3\n");
         const std::string got = refusalOf(folder, [&] { readObj(path, {}); });
         EXPECT_EQ(got.substr(0, std::strlen(want)), want) << got;
     }
@@ -309,30 +299,15 @@ TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
         {"a.obj", "v ", " 2 3\n", "vertex x"},
         {"a.obj", "v 1 ", " 3\n", "vertex y"},
         {"a.obj", "v 1 2 ", "\n", "vertex z"},
-        {"a.obj", "v 1 2 3 ", "\n", "vertex weight or colour"},
-        {"a.obj", "vn ", " 0 0\n", "normal x"},
-        {"a.obj", "vn 0 ", " 0\n", "normal y"},
-        {"a.obj", "vn 0 0 ", "\n", "normal z"},
-        {"a.obj", "vt ", "\n", "texture coordinate u"},
-        {"a.obj", "vt 0 ", "\n", "texture coordinate"},
-        {"a.stl", "solid s\nfacet normal ", " 0 0\n", "normal x"},
-        {"a.stl", "solid s\nfacet normal 0 ", " 0\n", "normal y"},
-        {"a.stl", "solid s\nfacet normal 0 0 ", "\n", "normal z"},
         {"a.stl", "solid s\nfacet normal 0 0 1 outer loop vertex ", " 0 0\n", "vertex x"},
         {"a.stl", "solid s\nfacet normal 0 0 1 outer loop vertex 0 ", " 0\n", "vertex y"},
         {"a.stl", "solid s\nfacet normal 0 0 1 outer loop vertex 0 0 ", "\n", "vertex z"},
         {"a.off", "OFF 3 1 0\n", " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "vertex x"},
         {"a.off", "OFF 3 1 0\n0 ", " 0\n1 0 0\n0 1 0\n3 0 1 2\n", "vertex y"},
         {"a.off", "OFF 3 1 0\n0 0 ", "\n1 0 0\n0 1 0\n3 0 1 2\n", "vertex z"},
-        {"a.off", "NOFF 3 1 0\n0 0 0 ", " 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n", "normal x"},
-        {"a.off", "COFF 3 1 0\n0 0 0 ", " 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n", "vertex colour"},
         {"a.ply", kPlyHeader, " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "property x"},
         {"a.ply", kPlyHeader + "0 ", " 0\n1 0 0\n0 1 0\n3 0 1 2\n", "property y"},
         {"a.ply", kPlyHeader + "0 0 ", "\n1 0 0\n0 1 0\n3 0 1 2\n", "property z"},
-        {"a.ply", replaced(kPlyHeader, "element face", "property float nx\nelement face") + "0 0 0 ", "\n1 0 0 0\n0 1 0 0\n3 0 1 2\n",
-         "property nx"},
-        {"a.ply", replaced(kPlyHeader, "element face", "property float red\nelement face") + "0 0 0 ", "\n1 0 0 0\n0 1 0 0\n3 0 1 2\n",
-         "property red"},
     };
     for (const Field& field : fields)
         for (const char* value : {"nan", "-nan", "NaN", "inf", "-inf", "Infinity", "1e39", "-1e39", "1e31", "1e99999999999999999999"}) {
@@ -343,12 +318,11 @@ TEST(SceneRefusals, EveryNumericFieldNamesNanAndInfinity) {
     // Binary: quiet and signalling NaN of both signs, infinities, and 2^101, in every field.
     const uint32_t patterns[] = {0x7fc00000u, 0xffc00000u, 0x7f800001u, 0xff800001u, 0x7f800000u, 0xff800000u, 0x72000000u};
     for (const uint32_t pattern : patterns) {
-        for (size_t number = 0; number < 12; ++number) {
+        for (size_t number = 3; number < 12; ++number) {
             std::string bytes = binarySolid();
             std::memcpy(bytes.data() + 84 + 4 * number, &pattern, 4);
             const std::string got = refusal("a.stl", bytes);
-            const std::string what =
-                number < 3 ? fmt::format("normal {}", "xyz"[number]) : fmt::format("vertex {} {}", number / 3, "xyz"[number % 3]);
+            const std::string what = fmt::format("vertex {} {}", number / 3, "xyz"[number % 3]);
             EXPECT_TRUE(got.starts_with(fmt::format("a.stl: byte {}: {} is ", 84 + 4 * number, what))) << got;
         }
         for (const bool big : {false, true})
@@ -410,14 +384,14 @@ TEST(SceneRefusals, FilesCutAtEveryByteAreRefusedOrComplete) {
             // Other formats say how much there is: accepted is only what lacks white space or a name at the very end.
             if (got.empty()) {
                 ++accepted;
-                EXPECT_TRUE(bytes.size() - length <= 4 || (name == "a.stl" && cut.find("endsolid") != std::string::npos) ||
+                EXPECT_TRUE(bytes.size() - length <= 4 || (name == "a.stl" && cut.find("endfacet") != std::string::npos) ||
                             (name == "a.off" && bytes.size() - length <= 11))
                     << name << " cut to " << length;
             }
         }
     }
     EXPECT_GT(files, 1300u);
-    EXPECT_LT(accepted, 40u);
+    EXPECT_LT(accepted, 80u);
 }
 
 TEST(SceneRefusals, FilesWithAnyByteChangedAreRefusedOrSound) {
@@ -473,11 +447,17 @@ TEST(SceneRefusals, HostileTextEndsInGoodTime) {
     for (int i = 0; i < 10000; ++i) comb += fmt::format("v {} {} 0\n", i, i % 2);
     comb += "v 9999 -5 0\nv 0 -5 0\nf";
     for (int i = 10002; i > 0; --i) comb += fmt::format(" {}", i);
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     refusal("a.obj", deepLine);
     EXPECT_EQ(refusal("a.obj", fan), "");
-    EXPECT_NE(refusal("a.obj", comb).find("is concave and has 10002 corners; at most 8192"), std::string::npos);
-    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 10.0) << "seconds; sanitizers included";
+    EXPECT_EQ(refusal("a.obj", comb), "");
+    // One beyond it: 100,000 corners whose ears are found late. It is left out, and costs not the file.
+    comb.clear();
+    for (int i = 0; i < 100000; ++i) comb += fmt::format("v {} {} 0\n", i, i % 2);
+    comb += "v 99999 -5 0\nv 0 -5 0\nf";
+    for (int i = 100002; i > 0; --i) comb += fmt::format(" {}", i);
+    EXPECT_EQ(refusal("a.obj", comb + "\nf 1 2 3\n"), "");
+    EXPECT_LT(double(std::clock() - start) / CLOCKS_PER_SEC, 10.0) << "seconds of the processor; sanitizers included";
 }
 
 TEST(SceneRefusals, OnlyRegularFilesAreOpened) {
