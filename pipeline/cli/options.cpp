@@ -288,6 +288,8 @@ const std::vector<Flag> kFlags = {
     {"--near", "DISTANCE", "distance of the near plane", "the scene's, else the largest power of two not above 2^-10 of the distance to the framed centre", "a number above 0", kNoWords,
      kDraw,
      [](Options& o, const std::string& v) { o.near = real(v, 1e-30, 1e30); }},
+    {"--camera", "CAMERA", "look through this camera of a glTF", "the first", "its number, from 0, or its name", kNoWords, kDraw,
+     [](Options& o, const std::string& v) { o.camera = v; }},
     {"--view", "VIEW", "look from here at the whole scene; given several times, the views make a contact sheet", "",
      "front, back, left, right, top, bottom, iso, or AZIMUTH,ELEVATION in degrees (-360 to 360, -90 to 90)",
      {"front", "back", "left", "right", "top", "bottom", "iso"}, kDraw, addView, true},
@@ -571,6 +573,7 @@ void checkTogether(const Options& o) {
     if (o.quiet && o.verbose != 0) throw usageError("-q and -v exclude each other");
     if (o.turntable != 0 && o.views.size() > 1) throw usageError("--turntable turns one view: give --view once at most");
     if (!o.views.empty() && (o.eye || o.at)) throw usageError("--view and --eye/--at exclude each other");
+    if (!o.camera.empty() && (!o.views.empty() || o.eye || o.at)) throw usageError("--camera and --view, --eye or --at exclude each other");
     if (o.fill && o.shading == Shading::wire) throw usageError("--fill and --shading wire exclude each other: a wire frame fills nothing");
     if (o.dimensions == 2 && o.spacePoints) throw usageError("--point: with --dimensions 2 a point has two numbers");
     if (o.dimensions == 3 && o.planePoints) throw usageError("--point: a point has three numbers, unless with --dimensions 2");

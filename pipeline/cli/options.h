@@ -88,6 +88,7 @@ struct Options {
     uint32_t limitBand = 0;
 
     std::string format;  // of the inputs; empty: by name, else by content
+    std::string camera;  // of a glTF, by number or name; empty: the first
     bool strict = false, allowOutside = false;
     double creaseDegrees = 60;
     std::optional<double> failBlank;  // smallest covered fraction that is not blank

@@ -92,6 +92,7 @@ LoadOptions loadOptionsOf(const Options& options, Progress* progress, double fro
     LoadOptions load;
     load.allowOutside = options.allowOutside;
     load.strict = options.strict;
+    load.camera = options.camera;
     load.creaseDegrees = options.creaseDegrees;
     load.keepNumbers = options.withError || options.command == kMeasure || options.command == kInfo;
     load.format = options.format;

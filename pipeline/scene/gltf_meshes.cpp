@@ -9,6 +9,7 @@
 #include "pipeline/scene/text.h"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -28,19 +29,18 @@ public:
     explicit Welder(List& into) : into_(into) {}
     uint32_t add(glm::dvec3 v) {
         v += 0.0;  // -0 becomes +0
-        // No two numbers of a vertex type have the same float32.
-        const Key key{std::bit_cast<uint32_t>(float(v.x)), std::bit_cast<uint32_t>(float(v.y)), std::bit_cast<uint32_t>(float(v.z))};
+        const Key key{std::bit_cast<uint64_t>(v.x), std::bit_cast<uint64_t>(v.y), std::bit_cast<uint64_t>(v.z)};
         const auto [found, isNew] = known_.try_emplace(key, uint32_t(into_.size()));
         if (isNew) into_.push_back(typename List::value_type(v));
         return found->second;
     }
 
 private:
-    using Key = std::array<uint32_t, 3>;
+    using Key = std::array<uint64_t, 3>;
     struct Hash {
         size_t operator()(const Key& key) const {
             uint64_t h = 0x9e3779b97f4a7c15u;
-            for (uint32_t word : key) h = std::rotl((h ^ word) * 0xff51afd7ed558ccdu, 31);
+            for (uint64_t word : key) h = std::rotl((h ^ word) * 0xff51afd7ed558ccdu, 31);
             return size_t(h);
         }
     };
@@ -82,15 +82,17 @@ PrimitiveData dataOf(const Value& primitive, const Value& positionIndex, Accesso
 // Corners of one primitive, by their numbers in it.
 class PrimitiveCorners {
 public:
-    PrimitiveCorners(const PrimitiveData& data, const Value& primitive, const Reading& reading, Welder<Positions>& positions,
-                     Welder<std::vector<glm::vec3>>& normals)
-        : data_(data), primitive_(primitive), reading_(reading), positions_(positions), normals_(normals) {
+    PrimitiveCorners(const PrimitiveData& data, const RestVertices& rest, const Value& primitive, const Reading& reading,
+                     Welder<Positions>& positions, Welder<std::vector<glm::vec3>>& normals)
+        : data_(data), rest_(rest), primitive_(primitive), reading_(reading), positions_(positions), normals_(normals) {
         // Remembered only where the memory is in proportion to what is drawn.
         if (data.position.count <= 4 * data.count()) known_.assign(data.position.count, PolygonMesh::Corner{kNone});
     }
 
+    uint32_t vertexOf(size_t i) const { return data_.indices ? data_.indices->index(i) : uint32_t(i); }
+
     PolygonMesh::Corner corner(size_t i) {
-        const uint32_t vertex = data_.indices ? data_.indices->index(i) : uint32_t(i);
+        const uint32_t vertex = vertexOf(i);
         if (vertex >= data_.position.count)
             throw inputError(data_.indices->place,
                              fmt::format("element {} is vertex {}, but POSITION has {}", i, vertex, data_.position.count));
@@ -102,11 +104,15 @@ public:
                                                                std::isnan(read[bad])   ? "NaN"
                                                                : std::isinf(read[bad]) ? "infinite"
                                                                                        : "above 2^100"));
-        PolygonMesh::Corner made{positions_.add(read)};
+        const glm::dvec3 atRest = rest_.position(vertex, read);
+        for (int i = 0; i < 3; ++i)
+            if (!(std::abs(atRest[i]) <= kMaxCoordinate))
+                throw inputError(data_.position.place, fmt::format("element {}: at rest POSITION {} is above 2^100", vertex, "xyz"[i]));
+        PolygonMesh::Corner made{positions_.add(atRest)};
         if (data_.normal) {
             bad = load(*data_.normal, vertex, read);
             if (bad == 3)
-                made.normal = normals_.add(read);
+                made.normal = normals_.add(rest_.normal(vertex, read));
             else
                 reading_.pass(primitive_, "a NORMAL is not finite; it counts as not stated");
         }
@@ -126,6 +132,7 @@ private:
     }
 
     const PrimitiveData& data_;
+    const RestVertices& rest_;
     const Value& primitive_;
     const Reading& reading_;
     Welder<Positions>& positions_;
@@ -157,13 +164,13 @@ struct MeshParts {
     Welder<std::vector<glm::vec3>>& normals;
 };
 
-void readPrimitive(const Value& primitive, const Reading& reading, Accessors& accessors, Materials& materials, MeshParts& parts) {
+void readPrimitive(const Value& primitive, const Reading& reading, Accessors& accessors, Materials& materials, const Rest& rest,
+                   MeshParts& parts) {
     reading.ignoreExtensions(primitive, {});
     const auto modeValue = primitive.find("mode");
     const uint64_t mode = modeValue ? modeValue->whole(6) : 4;
     if (mode < 4) return reading.ignore(primitive, mode == 0 ? "points" : "lines");
     const Value attributes = primitive.required("attributes");
-    if (const auto targets = primitive.find("targets")) reading.ignore(*targets, "morph targets");
     if (const auto colours = attributes.find("COLOR_0")) reading.ignore(*colours, "vertex colours");
     const auto positionIndex = attributes.find("POSITION");
     if (!positionIndex) return reading.ignore(attributes, "primitives without POSITION");
@@ -178,7 +185,8 @@ void readPrimitive(const Value& primitive, const Reading& reading, Accessors& ac
     PolygonMesh& mesh = parts.mesh;
     if (mesh.corners.size() + 3 * triangles >= kNone) primitive.refuse("the mesh has 2^32 corners or more");
     const uint32_t material = materials.of(primitive);
-    PrimitiveCorners corners(data, primitive, reading, parts.positions, parts.normals);
+    const RestVertices vertices(primitive, rest, data.position.count, accessors, reading);
+    PrimitiveCorners corners(data, vertices, primitive, reading, parts.positions, parts.normals);
     LoadMeter meter(reading.options, "parse", kParseEnds, kParseEnds, triangles);
     for (size_t t = 0; t < triangles; ++t) {
         meter.at(t);
@@ -187,6 +195,7 @@ void readPrimitive(const Value& primitive, const Reading& reading, Accessors& ac
                                          : mode == 5 ? std::array<size_t, 3>{t, t + 1 + t % 2, t + 2 - t % 2}
                                                      : std::array<size_t, 3>{t + 1, t + 2, 0};
         for (size_t i : at) mesh.corners.push_back(corners.corner(i));
+        if (vertices.mirrored(corners.vertexOf(at[0]))) std::swap(mesh.corners.end()[-1], mesh.corners.end()[-2]);
         mesh.faceFirst.push_back(uint32_t(mesh.corners.size()));
         mesh.faceMaterial.push_back(material);
         mesh.faceSmoothing.push_back(data.normal ? kNone : 0);  // glTF 3.7.2.1: without normals, flat
@@ -195,20 +204,19 @@ void readPrimitive(const Value& primitive, const Reading& reading, Accessors& ac
 
 }  // namespace
 
-Meshes::Meshes(const Container& container, Materials& materials, const Reading& reading)
-    : reading_(reading),
-      materials_(materials),
-      meshes_(container.root().list("meshes")),
-      accessors_(container, reading),
-      inScene_(meshes_.size()) {}
+Meshes::Meshes(const Container& container, Materials& materials, Accessors& accessors, const Reading& reading)
+    : reading_(reading), materials_(materials), meshes_(container.root().list("meshes")), accessors_(accessors), shared_(meshes_.size()) {}
 
-uint32_t Meshes::inScene(const Value& index) {
+std::vector<double> Meshes::weightsOf(const Value& index) const { return weightsIn(meshes_[index.index(meshes_.size(), "meshes")]); }
+
+uint32_t Meshes::inScene(const Value& index, const Rest& rest) {
     const size_t i = index.index(meshes_.size(), "meshes");
-    if (inScene_[i]) return *inScene_[i];
+    const bool shareable = rest.joints.empty();
+    if (shareable && shared_[i] && shared_[i]->weights == rest.weights) return shared_[i]->inScene;
     // Each mesh has its part of what follows the JSON.
     LoadOptions own = reading_.options;
     const double share = (own.to - own.from) / double(meshes_.size());
-    own.from += share * double(read_++);
+    own.from += share * double(std::min(read_++, meshes_.size() - 1));
     own.to = own.from + share;
     PolygonMesh mesh;
     mesh.name = fmt::format("mesh {}", i);
@@ -218,9 +226,10 @@ uint32_t Meshes::inScene(const Value& index) {
     Welder<std::vector<glm::vec3>> normals(mesh.normals);
     MeshParts parts{mesh, positions, normals};
     meshes_[i].required("primitives");
-    for (const Value& primitive : meshes_[i].list("primitives")) readPrimitive(primitive, reading_, accessors_, materials_, parts);
-    inScene_[i] = mesh.faceMaterial.empty() ? kNone : addMesh(reading_.scene, std::move(mesh), meshes_[i].place(), own);
-    return *inScene_[i];
+    for (const Value& primitive : meshes_[i].list("primitives")) readPrimitive(primitive, reading_, accessors_, materials_, rest, parts);
+    const uint32_t made = mesh.faceMaterial.empty() ? kNone : addMesh(reading_.scene, std::move(mesh), meshes_[i].place(), own);
+    if (shareable) shared_[i] = Shared{rest.weights, made};
+    return made;
 }
 
 }  // namespace plumb::gltf

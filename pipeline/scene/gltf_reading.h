@@ -7,6 +7,7 @@
 #include "pipeline/scene/scene.h"
 #include "pipeline/scene/tolerance.h"
 
+#include <cstddef>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -17,6 +18,7 @@ struct Reading {
     const LoadOptions& options;
     Scene& scene;
     Tolerance& tolerance;
+    mutable size_t cameras = 0;  // perspective ones so far
 
     // Names a kind of what the file asks for and no pass draws, once. With `strict` it is refused at `at`.
     void ignore(const Value& at, const std::string& what) const;

@@ -20,11 +20,23 @@ using glm::dvec4;
 // Lights of glTF are in lux and candela and its diffuse BRDF is colour / pi; ours is the colour.
 static constexpr double kIntensityPerLux = 1 / 3.14159265358979323846;
 
-void readCamera(const Value& index, const std::vector<Value>& cameras, const dmat4& worldFromNode, const Reading& reading) {
+// True when LoadOptions::camera is the number of this camera, from 0 in the order of the nodes, or the name of it or its node.
+static bool isChosen(const std::string& choice, size_t number, const Value& camera, const Value& node) {
+    if (choice == fmt::format("{}", number)) return true;
+    for (const Value* named : {&camera, &node})
+        if (const auto name = named->find("name"); name && name->text() == choice) return true;
+    return false;
+}
+
+void readCamera(const Value& index, const Value& node, const std::vector<Value>& cameras, const dmat4& worldFromNode,
+                const Reading& reading) {
     const Value& value = cameras[index.index(cameras.size(), "cameras")];
     const Value typeValue = value.required("type");
     if (typeValue.text() == "orthographic") return reading.ignore(value, "orthographic cameras");
     if (typeValue.text() != "perspective") typeValue.refuse(fmt::format("'{}' is no type of camera", printable(typeValue.text(), 40)));
+    const std::string& choice = reading.options.camera;
+    const size_t number = reading.cameras++;
+    if (!choice.empty() && (reading.scene.camera || !isChosen(choice, number, value, node))) return;
     if (reading.scene.camera) return reading.ignore(index, "cameras after the first");
     const Value perspective = value.required("perspective");
     Camera camera;

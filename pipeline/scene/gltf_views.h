@@ -10,8 +10,9 @@
 
 namespace plumb::gltf {
 
-// `index` names one of `cameras`; the first perspective camera becomes the scene's.
-void readCamera(const Value& index, const std::vector<Value>& cameras, const glm::dmat4& worldFromNode, const Reading& reading);
+// `index`, of `node`, names one of `cameras`. The first perspective camera becomes the scene's, or the one that LoadOptions::camera names.
+void readCamera(const Value& index, const Value& node, const std::vector<Value>& cameras, const glm::dmat4& worldFromNode,
+                const Reading& reading);
 // `index` names one of `lights`, which is appended to the scene's.
 void readLight(const Value& index, const std::vector<Value>& lights, const glm::dmat4& worldFromNode, const Reading& reading);
 // Sets the distance from the scene's camera to the middle of what is drawn.

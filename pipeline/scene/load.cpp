@@ -94,10 +94,12 @@ Scene loadScene(const std::vector<std::filesystem::path>& paths, const LoadOptio
         }
         formats.push_back(formatOfInput(path, options));
         if (readerOf(formats.back()) != nullptr) continue;
+        if (!options.camera.empty() && formats.back() != FileFormat::gltf) break;
         if (paths.size() > 1)
             throw usageError(fmt::format("'{}' is a whole scene; only mesh files can be given together", printablePath(path)));
         return formats.back() == FileFormat::gltf ? readGltf(path, options) : readSceneToml(path, options);
     }
+    if (!options.camera.empty()) throw usageError("--camera names a camera of a glTF, and this is none");
     Scene scene;
     scene.path = paths.front().string();
     LoadOptions own = options;

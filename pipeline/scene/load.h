@@ -20,6 +20,7 @@ struct LoadOptions {
     bool strict = false;        // ignored features and missing material libraries are refused
     bool keepMaterials = true;  // false: the caller replaces them, so material libraries are not looked for
     double creaseDegrees = 60;  // missing normals: the edge of two faces that meet at a smaller angle is smooth
+    std::string camera;         // number (from 0) or name of a glTF's camera; empty: the first
     bool keepNumbers = true;    // meshes keep the file's binary64 positions where float32 rounds them: for truthOf
     // format of all inputs, whatever their names: obj, ply, stl, off, gltf, glb or toml; empty: by extension, else by content
     std::string format;

@@ -49,7 +49,8 @@ static void readRequiredExtensions(const gltf::Value& file, const gltf::Reading&
                                                  "KHR_materials_emissive_strength",
                                                  "KHR_mesh_quantization",
                                                  "KHR_texture_transform",
-                                                 "KHR_materials_pbrSpecularGlossiness"};
+                                                 "KHR_materials_pbrSpecularGlossiness",
+                                                 "EXT_mesh_gpu_instancing"};
     for (const gltf::Value& value : file.list("extensionsRequired")) {
         const std::string& name = value.text();
         if (std::find(std::begin(kRead), std::end(kRead), name) != std::end(kRead)) continue;
@@ -82,6 +83,9 @@ Scene readGltf(const std::filesystem::path& path, const LoadOptions& options) {
         file.refuse("nothing to draw: no node of the scene has a mesh of triangles" + ignored + (ignored.empty() ? "" : ")") +
                     (scene.warnings.empty() ? "" : "; " + scene.warnings.front()));
     }
+    if (!options.camera.empty() && !scene.camera)
+        throw usageError(fmt::format("'{}' has no perspective camera '{}'; it has {}", printablePath(path), printable(options.camera, 64),
+                                     reading.cameras));
     materials.passUnread();
     tolerance.addTo(scene.warnings);
     warnOfRepairs(scene, 0, printablePath(path));

@@ -76,6 +76,38 @@ def gltf(uri):
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
+def posed():
+    """A glTF with a skin, a morph target, instances and a sparse accessor without a view."""
+    points = b"".join(struct.pack("<3f", *p) for p in POINTS)
+    parts = [points, b"".join(struct.pack("<3H", *f) for f in FACES), bytes([0, 1, 0, 0] * 4), struct.pack("<16f", *([0.5, 0.5, 0, 0] * 4)),
+             struct.pack("<32f", *([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] * 2)), struct.pack("<2H", 1, 3), points[12:36]]
+    shapes = [(5126, 4, "VEC3"), (5123, 12, "SCALAR"), (5121, 4, "VEC4"), (5126, 4, "VEC4"), (5126, 2, "MAT4")]
+    tree = {
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1, 3]}],
+        "nodes": [{"mesh": 0, "skin": 0, "weights": [0.5]}, {"children": [2]}, {"translation": [0, 2, 0]},
+                  {"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}}}],
+        "skins": [{"joints": [1, 2], "inverseBindMatrices": 4}],
+        "materials": [{"emissiveFactor": [1, 1, 2.5], "emissiveTexture": {"index": 0},
+                       "extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [1, 0.25, 0, 1], "glossinessFactor": 0.2}}}],
+        "meshes": [{"weights": [1], "primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 3}, "indices": 1, "material": 0,
+                                                    "targets": [{"POSITION": 5}]}]}],
+        "accessors": [{"bufferView": i, "componentType": t, "count": n, "type": shape} for i, (t, n, shape) in enumerate(shapes)],
+        "bufferViews": [{"buffer": 0, "byteOffset": sum(map(len, parts[:i])), "byteLength": len(part)} for i, part in enumerate(parts)],
+        "buffers": [{"byteLength": len(b"".join(parts)), "uri": "data:;base64," + base64.b64encode(b"".join(parts)).decode()}]}
+    tree["accessors"].append({"componentType": 5126, "count": 4, "type": "VEC3",
+                              "sparse": {"count": 2, "indices": {"bufferView": 5, "componentType": 5123}, "values": {"bufferView": 6}}})
+    return json.dumps(tree)
+
+
+# Seeds with what readers pass over.
+LOOSE_OBJ = "\ufeffmtllib sub\\Second.OBJ\nv 0 0 0\nv 1 0 0\nv 0 1 0 nan\nv nan 0 0\nvn nan 0 0\nvt x\nf 1//1 2/7/ 3//\nf 1 2\nusemtl red\nf 1/1/9 2 3\n"
+LOOSE_STL = "facet 0 0 1\nouterloop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nend loop\nend facet\nsolid a\nsolid a\n# b\nfacet normal nan 0 0 outer loop vertex 0 0 0 endloop endfacet\n"
+LOOSE_OFF = "OFF4 3 x\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\nnan 0 1 1 1 1\n3 0 1 2\n2 0 1\n3 0 2 1 red\nmore\n"
+LOOSE_PLY = ("ply\nformat ascii 1.0\nmade by hand\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty int64 id\n"
+             "element tristrips 1\nproperty list int int vertex_indices\nelement face 1\nproperty list uchar uint64 vertex_index\nend_header\n"
+             "0 0 0 1.5\n1 0 0 x\ncomment c\n0 1 0 3 9 9\n1 1 nan 4\n8 0 1 2 -1 2 1 1 0\n2 0 1\nmore\n")
+
+
 def toml():
     return '''ambient = 0.3
 background = "#202830"
@@ -140,3 +172,6 @@ write("off/tetrahedron", "OFF\n# seed\n4 4 6\n" + "".join("%g %g %g\n" % p for p
 write("gltf/tetrahedron", gltf(True))
 write("glb/tetrahedron", gltf(False))
 write("toml/scene", toml())
+write("gltf/posed", posed())
+for name, seed in (("obj", LOOSE_OBJ), ("stl", LOOSE_STL), ("off", LOOSE_OFF), ("ply", LOOSE_PLY)):
+    write(f"{name}/loose", seed)

@@ -6,6 +6,7 @@
 #include "tests/support/temporary_folder.h"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -342,13 +343,11 @@ TEST(Gltf, IgnoredFeaturesAreNamedOnceAndRefusedWhenStrict) {
     const json textured = json::parse(R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "normalTexture": {"index": 1}}])");
     const std::pair<json, std::string> cases[] = {
         {with("/animations", json::parse(R"([{}, {}])")), "animations"},
-        {with("/nodes/0/skin", 0), "skins"},
-        {with("/meshes/0/primitives/0/targets", json::parse(R"([{"POSITION": 0}])")), "morph targets"},
         {with("/meshes/0/primitives/0/attributes/COLOR_0", 0), "vertex colours"},
         {with("/materials", textured), "textures"},
         {with("/materials", json::parse(R"([{"alphaMode": "BLEND"}])")), "alphaMode BLEND"},
         {with("/materials", json::parse(R"([{"extensions": {"KHR_materials_clearcoat": {}}}])")), "extension KHR_materials_clearcoat"},
-        {with("/nodes/0/extensions", json::parse(R"({"EXT_mesh_gpu_instancing": {}})")), "extension EXT_mesh_gpu_instancing"},
+        {with("/nodes/0/extensions", json::parse(R"({"EXT_mesh_lod": {}})")), "extension EXT_mesh_lod"},
         {with("/scenes/1", json::parse(R"({"nodes": []})")), "scenes but the default one"},
         {lines, "lines"},
         {noPosition, "primitives without POSITION"},
@@ -413,6 +412,19 @@ std::vector<BadDocument> badDocuments() {
     put("/nodes/0/camera", 0, "there are 0 cameras");
     put("/nodes/0/extensions", json::parse(R"({"KHR_lights_punctual": {"light": 0}})"), "there are 0 lights",
         "/nodes/0/extensions/KHR_lights_punctual/light");
+    put("/nodes/0/skin", 0, "there are 0 skins");
+    put("/nodes/0/weights", json::array({"1"}), "not a number", "/nodes/0/weights/0");
+    put("/nodes/0/extensions", json::parse(R"({"EXT_mesh_gpu_instancing": {"attributes": {"ROTATION": 0}}})"),
+        "ROTATION has the wrong type", "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/ROTATION");
+    const auto skinned = [&](const char* skin, const std::string& words, const std::string& place) {
+        json document = with("/skins", json::array({json::parse(skin)}));
+        document["nodes"][0]["skin"] = 0;
+        rows.push_back({document, place, words});
+    };
+    skinned(R"({})", "has no 'joints'", "/skins/0");
+    skinned(R"({"joints": []})", "has no joints", "/skins/0");
+    skinned(R"({"joints": [1]})", "there are 1 nodes", "/skins/0/joints/0");
+    skinned(R"({"joints": [0], "inverseBindMatrices": 0})", "not an accessor of MAT4", "/skins/0/inverseBindMatrices");
     drop("/meshes/0", "primitives", "has no 'primitives'");
     put("/meshes/0/name", 3, "not a string");
     put("/meshes/0/primitives/0/mode", 7, "above 6");
@@ -656,6 +668,141 @@ TEST(Gltf, FactorsOutsideTheirRangeAreClampedWithTheirDigits) {
     LoadOptions strict;
     strict.strict = true;
     EXPECT_NE(refusal(document, quadBytes(), strict).find("is 1.00000012, outside 0 to 1; it is clamped (--strict)"), std::string::npos);
+}
+
+// The quadrilateral with joints 0 and 1 and their weights, a skin of two joints and two morph targets.
+struct Posed {
+    json document = quad();
+    std::string bytes = quadBytes();
+};
+
+Posed posed() {
+    Posed made;
+    append<uint8_t>(made.bytes, {0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0});      // byte 108: JOINTS_0
+    append<float>(made.bytes, {1, 0, 0, 0, 1, 0, 0, 0, 0.5f, 0.5f, 0, 0, 0, 3, 0, 0});  // 124: WEIGHTS_0
+    append<float>(made.bytes, {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});                    // 188: a target
+    append<float>(made.bytes, {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1});        // 236: MAT4
+    append<float>(made.bytes, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+    json& d = made.document;
+    d["buffers"][0]["byteLength"] = made.bytes.size();
+    const auto add = [&](size_t at, size_t bytes, int type, size_t count, const char* shape) {
+        d["accessors"].push_back({{"bufferView", d["bufferViews"].size()}, {"componentType", type}, {"count", count}, {"type", shape}});
+        d["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", at}, {"byteLength", bytes}});
+    };
+    add(108, 16, 5121, 4, "VEC4");
+    add(124, 64, 5126, 4, "VEC4");
+    add(188, 48, 5126, 4, "VEC3");
+    add(236, 128, 5126, 2, "MAT4");
+    return made;
+}
+
+json& attributesOf(Posed& posed) { return posed.document["meshes"][0]["primitives"][0]["attributes"]; }
+
+TEST(Gltf, SkinsStandWhereTheirJointsAre) {
+    Posed p = posed();
+    attributesOf(p)["JOINTS_0"] = 3;
+    attributesOf(p)["WEIGHTS_0"] = 4;
+    p.document["skins"] = json::parse(R"([{"joints": [1, 3], "inverseBindMatrices": 6}])");
+    // The node's own matrix does not count, and a joint may stand outside the scene.
+    p.document["nodes"] = json::parse(R"([{"mesh": 0, "skin": 0, "translation": [100, 0, 0]}, {"translation": [10, 0, 0]},
+                                          {"children": [3], "translation": [0, 0, 7]}, {"translation": [0, 20, 0]}])");
+    p.document["scenes"][0]["nodes"] = {0, 1};
+    const Scene scene = load(p.document, p.bytes);
+    ASSERT_EQ(scene.objects.size(), 1u);
+    EXPECT_EQ(scene.objects[0].worldFromObject, glm::dmat4(1.0));
+    const TriangleMesh& mesh = scene.meshes.at(0);
+    // Corner 0: joint 0, twice (0,0,0) + (10,0,0). 1: twice (1,0,0) + (10,0,0). 2: the mean of (12,2,0) and (1,21,7). 3: (0,21,7), weight 3.
+    std::vector<dvec3> found;
+    for (size_t v = 0; v < mesh.positions.size(); ++v) found.push_back(mesh.statedAt(v));
+    for (const dvec3& want : {dvec3(10, 0, 0), dvec3(12, 0, 0), dvec3(6.5, 11.5, 3.5), dvec3(0, 21, 7)})
+        EXPECT_NE(std::find(found.begin(), found.end(), want), found.end()) << want.x << ' ' << want.y << ' ' << want.z;
+    EXPECT_TRUE(scene.ignored.empty());
+    // Weights of 0 stand at the node; so does a primitive without any.
+    Posed still = p;
+    attributesOf(still).erase("WEIGHTS_0");
+    const Scene unskinned = load(still.document, still.bytes);
+    EXPECT_EQ(unskinned.meshes.at(0).statedMax, dvec3(101, 1, 0));
+    ASSERT_EQ(unskinned.warnings.size(), 1u);
+    EXPECT_NE(unskinned.warnings[0].find("has a skin but neither joints nor weights"), std::string::npos);
+    // Joints that mirror turn the winding round: the face still looks where its normal does.
+    Posed mirrored = p;
+    const float minusTwo = -2;
+    std::memcpy(mirrored.bytes.data() + 236, &minusTwo, 4);
+    mirrored.document["skins"][0]["joints"] = {1};
+    const std::string oneJoint(16, '\0');
+    mirrored.bytes.replace(108, 16, oneJoint);
+    const TriangleMesh turned = load(mirrored.document, mirrored.bytes).meshes.at(0);
+    for (const glm::vec3& normal : turned.faceNormal) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
+    for (const glm::vec3& normal : turned.normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
+    EXPECT_EQ(turned.repairedNormals, 0u);
+    p.bytes[108] = 2;
+    EXPECT_EQ(refusal(p.document, p.bytes), "quad.gltf: /accessors/3: element 0: the joint is 2; the skin has 2");
+}
+
+TEST(Gltf, MorphTargetsHaveTheirStatedWeights) {
+    Posed p = posed();
+    json& primitive = p.document["meshes"][0]["primitives"][0];
+    primitive["targets"] = json::parse(R"([{"POSITION": 5}, {"POSITION": 5}])");
+    EXPECT_EQ(load(p.document, p.bytes).meshes.at(0).statedMax, dvec3(1, 1, 0)) << "none stated: 0";
+    p.document["meshes"][0]["weights"] = {0.5, 2};
+    EXPECT_EQ(load(p.document, p.bytes).meshes.at(0).statedMax, dvec3(1, 1, 2.5));
+    // A node's weights go before the mesh's; nodes that say the same share a mesh.
+    p.document["nodes"] = json::parse(R"([{"mesh": 0}, {"mesh": 0, "weights": [1, 0]}, {"mesh": 0}])");
+    p.document["scenes"][0]["nodes"] = {0, 2, 1};
+    const Scene scene = load(p.document, p.bytes);
+    ASSERT_EQ(scene.objects.size(), 3u);
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    EXPECT_EQ(scene.meshes[scene.objects[1].mesh].statedMax, dvec3(1, 1, 2.5));
+    EXPECT_EQ(scene.meshes[scene.objects[2].mesh].statedMax, dvec3(1, 1, 1));
+    primitive["targets"][1]["POSITION"] = 2;
+    EXPECT_NE(refusal(p.document, p.bytes).find("/meshes/0/primitives/0/targets/1/POSITION: POSITION has 1 numbers, not 3"),
+              std::string::npos);
+}
+
+TEST(Gltf, InstancesAreObjectsBelowTheirNode) {
+    Posed p = posed();
+    p.document["nodes"][0]["scale"] = {2, 2, 2};
+    p.document["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", 5}, {"SCALE", 0}};
+    p.document["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+    const Scene scene = load(p.document, p.bytes);
+    // Scales are the positions of the corners: three have a factor of 0, and leave no area or flatten the quadrilateral in its plane.
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    ASSERT_EQ(scene.objects.size(), 1u);
+    EXPECT_EQ(dvec3(scene.objects[0].worldFromObject * dvec4(1, 1, 0, 1)), dvec3(2, 2, 2));
+    EXPECT_EQ(scene.ignored, std::vector<std::string>{"meshes flattened by a scale of 0"});
+    p.document["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", 5}};
+    EXPECT_EQ(load(p.document, p.bytes).objects.size(), 4u);
+    json& many = p.document["nodes"];
+    const json node = many[0];
+    for (int i = 1; i < 3000; ++i) {
+        many.push_back({{"extensions", node["extensions"]}, {"mesh", 0}});
+        p.document["scenes"][0]["nodes"].push_back(i);
+    }
+    EXPECT_EQ(load(p.document, p.bytes).objects.size(), 12000u);
+}
+
+TEST(Gltf, CamerasAreChosenByNumberOrName) {
+    json document = quad();
+    document["cameras"] = json::parse(R"([{"type": "perspective", "name": "wide", "perspective": {"yfov": 1, "znear": 1}},
+        {"type": "perspective", "perspective": {"yfov": 0.5, "znear": 1}}])");
+    document["nodes"] = json::parse(R"([{"mesh": 0}, {"camera": 1, "name": "tele"}, {"camera": 0}])");
+    document["scenes"][0]["nodes"] = {0, 1, 2};
+    const auto fovOf = [&](const char* choice) {
+        LoadOptions options;
+        options.camera = choice;
+        return load(document, quadBytes(), options).camera.value().fovYDegrees * (3.14159265358979323846 / 180);
+    };
+    for (const char* tele : {"", "0", "tele"}) EXPECT_NEAR(fovOf(tele), 0.5, kDouble) << tele;
+    for (const char* wide : {"1", "wide"}) EXPECT_NEAR(fovOf(wide), 1, kDouble) << wide;
+    LoadOptions options;
+    options.camera = "2";
+    try {
+        load(document, quadBytes(), options);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.exit(), Exit::usage);
+        EXPECT_NE(std::string(error.what()).find("has no perspective camera '2'; it has 2"), std::string::npos) << error.what();
+    }
 }
 
 TEST(Gltf, JsonErrorsNameLineAndColumn) {
