@@ -17,20 +17,21 @@ bool SphereList::add(const gpu::SphereDisc& d) {
     return true;
 }
 
-void SphereList::close() {
+void SphereList::close(const std::function<std::string(size_t)>& sourceOf) {
     const auto rowsOf = [&](const gpu::SphereDisc& d) {
         return std::pair(size_t(std::max(0, d.row - d.reach)), size_t(std::min(height - 1, d.row + d.reach)));
     };
     std::vector<uint64_t> counts(size_t(height) + 1);
-    for (const gpu::SphereDisc& d : discs)
-        for (auto [y, last] = rowsOf(d); y <= last; ++y) ++counts[y + 1];
-    for (size_t y = 0; y < size_t(height); ++y) {
-        if (counts[y + 1] > uint64_t(gpu::kSpheresOfRow))
-            throw inputError("--fill notes", fmt::format("row {} of the picture meets {} spheres; at most {} are tried a pixel", y,
-                                                         counts[y + 1], gpu::kSpheresOfRow));
-        counts[y + 1] += counts[y];
-    }
-    if (counts.back() > 0x7fffffffu) throw inputError("--fill notes", "the spheres meet more than 2^31 rows of the picture");
+    uint64_t all = 0;
+    for (size_t i = 0; i < discs.size(); ++i)
+        for (auto [y, last] = rowsOf(discs[i]); y <= last; ++y) {
+            if (++counts[y + 1] > uint64_t(gpu::kSpheresOfRow))
+                throw inputError(sourceOf(i),
+                                 fmt::format("--fill notes tries at most {} spheres a pixel, and row {} of the picture meets more",
+                                             gpu::kSpheresOfRow, y));
+            if (++all > 0x7fffffffu) throw inputError(sourceOf(i), "with it, the spheres of --fill notes meet more than 2^31 rows");
+        }
+    for (size_t y = 0; y < size_t(height); ++y) counts[y + 1] += counts[y];
     rowFirst.assign(counts.begin(), counts.end());
     rowDiscs.resize(counts.back());
     std::vector<uint32_t> next(rowFirst.begin(), rowFirst.end() - 1);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/passes/spheres.h"
 
+#include "host/error.h"
 #include "tests/twin/pass_frame.h"
 
 #include <fmt/format.h>
@@ -10,12 +11,15 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace plumb::test {
 namespace {
 
 class SpheresTwin : public DeviceTest {};
+
+std::string noSource(size_t) { return ""; }
 
 struct Lit {
     std::vector<gpu::MaterialRecord> materials;
@@ -68,7 +72,7 @@ SphereList listOf(int width, int height, uint32_t count, int reach, uint32_t see
         const int column = whole(width), row = whole(height);
         list.add(discAt(column, row, 1 + int(r.below(uint32_t(reach * reach))), float(60 + r.below(40)), r.below(4)));
     }
-    list.close();
+    list.close(noSource);
     return list;
 }
 
@@ -111,7 +115,7 @@ TEST_F(SpheresTwin, LeavesTheSameBytesWithPartsLeftOut) {
 TEST_F(SpheresTwin, FarPixelsAreNotCovered) {
     SphereList list(65600, 1);
     list.add(discAt(0, 0, 9, 50));
-    list.close();
+    list.close(noSource);
     const SphereCanvas canvas = expectSameCanvas(device(), list, litOf(1).with(true));
     EXPECT_EQ(std::count(canvas.owner.begin(), canvas.owner.end(), 0u), 4);
 }
@@ -119,7 +123,7 @@ TEST_F(SpheresTwin, FarPixelsAreNotCovered) {
 TEST_F(SpheresTwin, AnEmptyListLeavesAnEmptyCanvas) {
     SphereList list(5, 3);
     EXPECT_FALSE(list.add(discAt(-6, 1, 25, 50))) << "one pixel beside the canvas";
-    list.close();
+    list.close(noSource);
     const SphereCanvas canvas = expectSameCanvas(device(), list, litOf(1).with(true));
     EXPECT_EQ(canvas.owner, std::vector<uint32_t>(15, gpu::kNoSphere));
 }
@@ -127,7 +131,7 @@ TEST_F(SpheresTwin, AnEmptyListLeavesAnEmptyCanvas) {
 TEST_F(SpheresTwin, ManySpheresTakeSeveralDispatches) {
     SphereList list(640, 480);
     for (int i = 0; i < 600; ++i) list.add(discAt(320, 240, 200 * 200, float(50 + i % 7)));
-    list.close();
+    list.close(noSource);
     Recorder recorder(device());
     const SphereLight light = litOf(1).with(true);
     const SphereCanvas got = spheresGpu(device(), recorder, list, light, exactForms(device())[0], kWatchdogMs),
@@ -141,7 +145,13 @@ TEST_F(SpheresTwin, ManySpheresTakeSeveralDispatches) {
 TEST(SpheresRules, ARowOfTooManySpheresIsRefused) {
     SphereList list(4, 3);
     for (int i = 0; i <= gpu::kSpheresOfRow; ++i) list.add(discAt(1, 1, 1, 50));
-    EXPECT_THROW(list.close(), Error);
+    try {
+        list.close([](size_t disc) { return "scene.toml: sphere " + std::to_string(disc); });
+        FAIL() << "one sphere too many is drawn";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.exit(), Exit::input);
+        EXPECT_EQ(std::string(error.what()).rfind(fmt::format("scene.toml: sphere {}: ", gpu::kSpheresOfRow), 0), 0u) << error.what();
+    }
 }
 
 }  // namespace

@@ -79,6 +79,8 @@ TEST(Technique, WhatItDoesNotHaveIsOneSentenceWithoutADevice) {
         {noZBuffer, rays, "z_buffer = false"},
         {triangles(), change(phong, [](auto& r) { r.trade = {.vectors = Trade::Vectors::face, .coarse = true}; }), "leave rate=1/2 out"},
         {triangles(), change(phong, [](auto& r) { r.trade = {.vectors = Trade::Vectors::vertex, .nativeEncode = true}; }), "own functions"},
+        {triangles(), change(phong, [](auto& r) { r.trade.coarse = true, r.knobs.chunkTriangles = 7; }),
+         "--limit-chunk 7 cuts its 20 triangles"},
         {triangles(), change(rays, [](auto& r) { r.distantViewer = true; }), "--viewer distant"},
         {triangles(), change(rays, [](auto& r) { r.fill = Fill::notes; }), "--fill notes"},
         {triangles(), change(rays, [](auto& r) { r.trade.affine = true; }), "--trade"},
@@ -95,6 +97,8 @@ TEST(Technique, WhatItDoesNotHaveIsOneSentenceWithoutADevice) {
     EXPECT_EQ(refusalOf(spheres(), notes), "");
     EXPECT_EQ(refusalOf(spheres(), rays), "");
     EXPECT_EQ(refusalOf(noZBuffer, notes), "") << "polygons in their order";
+    EXPECT_EQ(refusalOf(triangles(), change(phong, [](auto& r) { r.trade.coarse = true, r.knobs.chunkTriangles = 20; })), "")
+        << "one chunk";
 }
 
 }  // namespace

@@ -35,11 +35,13 @@ Listed listOf(const Scene& scene, const Prepared& p, const RenderRequest& reques
     Listed out{SphereList(int(p.width), int(p.height)), {}};
     const glm::dvec3 eye = scene.camera->eye;
     constexpr double kFar = 0x1p24;  // pixels: whole numbers, and far off any canvas
+    const auto sourceOf = [&](size_t i) {
+        const SphereShape& s = scene.spheres[i];
+        return placeOfPart(s.place, scene.path, "sphere", s.name.empty() ? std::to_string(i) : s.name);
+    };
     for (uint32_t i = 0; i < scene.spheres.size(); ++i) {
         const SphereShape& s = scene.spheres[i];
-        const auto refuse = [&](const std::string& what) {
-            throw inputError(placeOfPart(s.place, scene.path, "sphere", s.name.empty() ? std::to_string(i) : s.name), what);
-        };
+        const auto refuse = [&](const std::string& what) { throw inputError(sourceOf(i), what); };
         if (s.radius < 1 || s.radius > gpu::kSphereReach)
             refuse(fmt::format("its radius is {:g}; --fill notes draws spheres of 1 to {} pixels", s.radius, gpu::kSphereReach));
         const glm::dvec3 centre = s.centre - eye;
@@ -57,7 +59,7 @@ Listed listOf(const Scene& scene, const Prepared& p, const RenderRequest& reques
         d.material = p.list.sphereMaterial[i];
         if (out.list.add(d)) out.from.push_back(i);
     }
-    out.list.close();
+    out.list.close([&](size_t disc) { return sourceOf(out.from[disc]); });
     return out;
 }
 

@@ -8,6 +8,7 @@
 #include "pipeline/render/rays/rays.h"
 
 #include <fmt/core.h>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -18,11 +19,22 @@ namespace {
 using Vectors = Trade::Vectors;
 bool hasOwnVectors(const Trade& trade) { return trade.vectors == Vectors::face || trade.vectors == Vectors::vertex; }
 
+// A device that has too little memory for one chunk is met later; only a stated limit is known here.
+void refuseCoarseInChunks(const Scene& scene, const RenderRequest& request) {
+    uint64_t triangles = 0;
+    for (const Object& object : scene.objects) triangles += scene.meshes[object.mesh].triangles.size();
+    if (request.knobs.chunkTriangles != 0 && triangles > request.knobs.chunkTriangles)
+        throw usageError(fmt::format("rate=1/2 draws a picture in one piece, and --limit-chunk {} cuts its {} triangles: leave one out",
+                                     request.knobs.chunkTriangles, triangles));
+}
+
 void refuseRaster(const Scene& scene, const RenderRequest& request) {
     refuseNoZBuffer(scene);
     refuseShapes(scene);
     const Trade& trade = request.trade;
-    if (request.shading != Shading::phong || !hasOwnVectors(trade)) return;
+    if (request.shading != Shading::phong) return;
+    if (trade.coarse) refuseCoarseInChunks(scene, request);
+    if (!hasOwnVectors(trade)) return;
     const char* which = tradeAxis("light-vector")->chosen(trade).word;
     if (trade.coarse) throw usageError(fmt::format("light-vector={} shades every pixel: leave rate=1/2 out", which));
     if (trade.native())
