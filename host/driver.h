@@ -11,8 +11,8 @@
 
 namespace plumb {
 
-// True when sums and minima of a subgroup are usable in compute.
-bool hasSubgroupArithmetic(const Device& device);
+// True when ballot, vote, shuffle and arithmetic of a subgroup are usable in compute, whatever its size.
+bool hasSubgroupOperations(const Device& device);
 
 // Changes the words of every module that the device loads from now on, behind the folding of constants. A test plants a faulty driver so;
 // pipelines that are made already stay.

@@ -358,12 +358,13 @@ ConstantsById constantsById(const Module& module, const ModuleReader& reader, co
 
 void plantDriver(Device& device, ModuleRewriter rewriter) { device.impl().rewriter = std::move(rewriter); }
 
-bool hasSubgroupArithmetic(const Device& device) {
+bool hasSubgroupOperations(const Device& device) {
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
     vkGetPhysicalDeviceProperties2(device.impl().physical, &properties);
-    return (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT) != 0 &&
-           (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
+    constexpr VkSubgroupFeatureFlags kNeeded = VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
+                                               VK_SUBGROUP_FEATURE_SHUFFLE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+    return (subgroup.supportedOperations & kNeeded) == kNeeded && (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
 }
 
 Reflection reflect(const Module& module, const ConstantsById& constants) { return ModuleReader(module).reflection(constants); }

@@ -245,12 +245,12 @@ const std::vector<std::string> kFile = {"FILE"};
 const std::vector<std::string> kDeviceWords = {"auto", "twin", "lavapipe", "gpu", "software"};
 
 const std::vector<Flag> kFlags = {
-    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}', '{aov}', '{eye}', '{field}' and '{ink}' are filled in; diff writes the difference as PNG, measure a report as one HTML file", "",
-     "a path that ends in .png, .exr or .npy (measure: .html), or -", kFile, kRender | kVerify | kDiff | kMeasure, [](Options& o, const std::string& v) {
+    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}', '{aov}', '{eye}', '{field}' and '{ink}' are filled in; diff writes the difference as PNG, measure and devices --fingerprint a report as one HTML file", "",
+     "a path that ends in .png, .exr or .npy (measure, devices: .html), or -", kFile, kRender | kVerify | kDiff | kMeasure | kDevices, [](Options& o, const std::string& v) {
          if (v.empty()) throw Refused{};
          o.output = v;
      }},
-    {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff | kMeasure, [](Options& o, const std::string&) { o.noClobber = true; }},
+    {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff | kMeasure | kDevices, [](Options& o, const std::string&) { o.noClobber = true; }},
     {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480; bench: 1920x1080", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw | kBench, setSize},
     choiceFlag<&Options::shading, kShadings>("--shading", "MODE", "how faces are shaded",
         "the scene's, else ray where it has spheres or planes or a material that mirrors or refracts, else phong"),
@@ -367,7 +367,7 @@ const std::vector<Flag> kFlags = {
          o.jsonFile = v == "-" ? "" : v;
      }},
     {"--progress", "MODE", "progress on standard error; auto is a bar on a terminal and nothing elsewhere", "auto", "auto, bar, plain, json, none",
-     {"auto", "bar", "plain", "json", "none"}, kDraw | kBench | kInfo,
+     {"auto", "bar", "plain", "json", "none"}, kDraw | kBench | kInfo | kDevices,
      [](Options& o, const std::string& v) {
          o.progress = oneOf<ProgressMode>(v, {{"auto", ProgressMode::automatic}, {"bar", ProgressMode::bar}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}});
      }},
@@ -406,6 +406,12 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) { o.vertices = number<uint64_t>(v, 1, 100000000); }},
     {"--repeat", "N", "measure each row of a benchmark N times, its sides in turn", "50", "a whole number, 3 to 100000", kNoWords, kBench,
      [](Options& o, const std::string& v) { o.pairs = number<uint32_t>(v, 3, 100000); }},
+    {"--fingerprint", "", "ask the picked device what it does with numbers: errors of each operation, contraction, subnormals, NaN, loops, and one hash", "", "", kNoWords, kDevices,
+     [](Options& o, const std::string&) { o.fingerprint = true; }},
+    {"--all-floats", "", "with --fingerprint: every float32 of sqrt, inversesqrt, exp2, log2, sin and cos, too (minutes)", "", "", kNoWords, kDevices,
+     [](Options& o, const std::string&) { o.allFloats = true; }},
+    {"--compare", "", "name each trait that differs between two files of --fingerprint --json; exit 1 when one does", "", "", kNoWords, kDevices,
+     [](Options& o, const std::string&) { o.compare = true; }},
     {"--man", "", "print the man page", "", "", kNoWords, kHelp, [](Options& o, const std::string&) { o.man = true; }},
     {"--completion", "SHELL", "print the completion script of a shell", "", "bash, zsh, fish", {"bash", "zsh", "fish"}, kHelp,
      [](Options& o, const std::string& v) {
@@ -466,12 +472,14 @@ const std::vector<CommandRow> kCommands = {
         "less time, with a report for people and one for programs"}}}},
     {kDevices,
      "devices",
-     "",
-     "list what can draw",
-     "Lists what the Vulkan loader finds, what would be picked and why not the others, and what the start-up self-test says.",
-     {{{"plumb devices", "a list to read"},
-       {"plumb devices --json", "the same for programs"},
-       {"plumb devices --require-device gpu", "exit 4 when there is no GPU"}}}},
+     "[A.json B.json]",
+     "list what can draw, and what it does with numbers",
+     "Lists what the Vulkan loader finds, what would be picked and why not the others, and what the start-up self-test says. "
+     "With --fingerprint it asks the picked device for the errors of its operations, beside what Vulkan allows, and for what Vulkan leaves "
+     "open. With --compare it names what two devices do differently.",
+     {{{"plumb devices --require-device gpu", "the list; exit 4 when there is no GPU"},
+       {"plumb devices --fingerprint -o device.html --json=device.json", "what this device does with numbers"},
+       {"plumb devices --compare a.json b.json", "what two devices do differently"}}}},
     {kInfo,
      "info",
      "SCENE|MESH...",
@@ -587,6 +595,12 @@ void checkTogether(const Options& o) {
             fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, .exr or .npy, or -", printable(o.output)));
     if (o.command == kMeasure && !o.output.empty() && lowerExtension(o.output) != ".html")
         throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output)));
+    if (o.compare && (o.fingerprint || o.allFloats))
+        throw usageError("--compare and --fingerprint exclude each other: compare reads two files");
+    if (o.allFloats && !o.fingerprint) throw usageError("--all-floats goes with --fingerprint");
+    if (o.command == kDevices && !o.output.empty() && (!o.fingerprint || lowerExtension(o.output) != ".html"))
+        throw usageError(o.fingerprint ? fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output))
+                                       : std::string("--output goes with --fingerprint, which writes its page there"));
     if ((o.command & (kRender | kDiff)) != 0 && o.json && o.jsonFile.empty() && o.output == "-")
         throw usageError("--json and -o - both want standard output: use --json=FILE or -o FILE");
 }
@@ -687,12 +701,14 @@ Options parseOptions(const std::vector<std::string>& arguments) {
     if (options.command == kHelp) {
         if (options.inputs.size() > 1) throw usageError("help takes one command");
         if (!options.inputs.empty()) commandOf(options.inputs[0]);
-    } else if (row.operands[0] == '\0') {
+    } else if (row.operands[0] == '\0' || (options.command == kDevices && !options.compare)) {
         if (!options.inputs.empty())
             throw usageError(fmt::format("`plumb {}` takes no operand, and '{}' is one", row.name, printable(options.inputs[0])));
     } else if (options.inputs.empty()) {
         throw usageError(fmt::format("`plumb {}` needs {}", row.name, row.operands));
     }
+    if (options.compare && options.inputs.size() != 2)
+        throw usageError(fmt::format("`plumb devices --compare` needs two fingerprints, and {} are given", options.inputs.size()));
     if (options.command == kDiff && options.inputs.size() != 2)
         throw usageError(fmt::format("`plumb diff` needs two pictures, and {} are given", options.inputs.size()));
     checkTogether(options);

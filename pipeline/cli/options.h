@@ -115,6 +115,8 @@ struct Options {
     uint64_t vertices = 0;  // matrix: to be transformed, counted and timed
     uint32_t pairs = 50;    // of a row of a benchmark
 
+    bool fingerprint = false, allFloats = false, compare = false;  // of devices
+
     bool man = false;
     std::string completion;  // bash, zsh, fish
 };

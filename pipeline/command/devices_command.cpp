@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // plumb devices: the devices found, the one that would be picked and why not the others, and the self-test of each.
 #include "pipeline/command/command.h"
+#include "pipeline/command/fingerprint_command.h"
 #include "pipeline/command/request.h"
 #include "pipeline/scene/text.h"
 
@@ -42,6 +43,8 @@ std::string yesNo(bool value) { return value ? "yes" : "no"; }
 }  // namespace
 
 Exit devicesCommand(const Options& options) {
+    if (options.fingerprint) return fingerprintCommand(options);
+    if (options.compare) return compareFingerprintsCommand(options);
     const DeviceRequest request = deviceRequestOf(options);
     std::string why;
     const std::vector<DeviceInfo> devices = Device::list(&why);

@@ -140,7 +140,7 @@ private:
     }
 
     std::vector<uint32_t> subgroups(const Trait& trait) {
-        if (!device_.limits().subgroupShuffle || !hasSubgroupArithmetic(device_))
+        if (!hasSubgroupOperations(device_))
             throw renderError("the device has no shuffle, ballot, vote and arithmetic of subgroups in compute");
         answers_.fill(0);
         recorder().dispatch("fingerprint", spirv::fingerprint_subgroup, kSubgroupItems, gpu::FingerprintPush{0, kSubgroupItems, 0},

@@ -730,6 +730,41 @@ class Telling(Command):
         self.assertTrue(picked[0]["selfTest"]["passed"])
         self.assertIn(b"self-test passed", self.expect(0, "devices").stdout)
 
+    def test_fingerprint_is_compared(self):
+        text = self.expect(0, "devices", "--fingerprint", "--json=a.json", "-o", "a.html").stdout.decode()
+        a = json.loads(self.read("a.json"))
+        self.assertGreaterEqual(len(a["traits"]), 30)
+        self.assertIn(f"hash {a['hash']}\n", text)
+        for trait in a["traits"]:
+            self.assertIn(trait["name"], text)
+            self.assertIn(trait["verdict"], ("within", "open", "beyond"), trait["finding"])
+            for key in ("what", "allowance", "planes", "finding", "questions", "differing", "answers"):
+                self.assertIn(key, trait)
+            if "ulp" in trait and trait["differing"]:
+                self.assertRegex(trait["at"]["got"], r"^[0-9a-f]{8}$")
+        page = self.read("a.html").decode()
+        self.assertIn(a["hash"], page)
+        self.assertNotIn("{{", page)
+        done = self.expect(0, "devices", "--fingerprint", "--json")
+        b = json.loads(done.stdout)
+        self.assertEqual(b["hash"], a["hash"], "one hash a device")
+        self.write("b.json", done.stdout.decode())
+        equal = self.expect(0, "devices", "--compare", "a.json", "b.json")
+        self.assertIn(b"all the same", equal.stdout)
+        done = self.expect(3, "devices", "--compare", "a.json", "cube.obj", says="truncated or no fingerprint")
+        self.write("torn.json", self.read("a.json").decode()[:100000])
+        self.expect(3, "devices", "--compare", "torn.json", "b.json", says="torn.json: byte")
+        a["version"] += 1
+        self.write("later.json", json.dumps(a))
+        self.expect(3, "devices", "--compare", "later.json", "b.json", says="make both fingerprints with one program")
+        a["version"] -= 1
+        named = {trait["name"]: trait for trait in a["traits"]}
+        named["cos"]["answers"] = named["sin"]["answers"]
+        self.write("other.json", json.dumps(a))
+        self.expect(3, "devices", "--compare", "b.json", "other.json", says="'cos' are not those of its 'sha256'")
+        self.expect(3, "devices", "--compare", "b.json", "absent.json")
+        self.expect(4, "devices", "--fingerprint", "--device", "twin", says="there is none")
+
     def test_info_judges_a_mesh(self):
         self.write("open.obj", "\n".join(CUBE.split("\n")[:-2]) + "\n")
         closed, opened = json.loads(self.expect(0, "info", "cube.obj", "open.obj", "--json").stdout)

@@ -16,7 +16,7 @@ import tempfile
 import time
 
 # Pages about a command: an answer that is run stands in their first screen.
-PAGES = ("accuracy.md", "commands.md", "containers.md", "diff.md", "measure.md", "outputs.md", "rays.md", "scene-format.md", "tests.md", "truth.md")
+PAGES = ("accuracy.md", "commands.md", "containers.md", "diff.md", "fingerprint.md", "measure.md", "outputs.md", "rays.md", "scene-format.md", "tests.md", "truth.md")
 SCREEN = 40  # lines
 ANSWERS = ("", "text", "json")
 
@@ -46,6 +46,7 @@ REPORTS = [
     "plumb diff x.png x.png --gate 'max<=0.1'",
     "plumb measure scenes/suzanne.toml --size 64x48 --axis depth,specular --repetitions 3 -q",
     "plumb devices",
+    "plumb devices --fingerprint",
     "plumb info scenes/pyramid.toml",
     "plumb matrix scenes/pyramid.toml",
     "plumb matrix rotate=90:from=3,3,5:to=6,6.46,7 --vertices 100",
