@@ -13,7 +13,7 @@ layout(binding = 2) uniform samplerBuffer positions;
 layout(binding = 3, scalar) readonly buffer Objects { ObjectRecord objects[]; };
 layout(binding = 4, scalar) readonly buffer Jobs { ClipJob jobs[]; };
 layout(binding = 5, scalar) buffer Screen { uvec4 screen[]; };
-layout(binding = 6, scalar) buffer Varying { vec4 carried[]; };
+layout(binding = 6, scalar) buffer Attributes { vec4 attributes[]; };
 layout(binding = 7, scalar) writeonly buffer Draws { uvec4 draws[]; };
 layout(binding = 8, scalar) writeonly buffer Kinds { uint kinds[]; };  // one word a job: bit 0 wide, number of drawn triangles << 1
 #ifdef PLUMB_LONG
@@ -39,7 +39,7 @@ ClipVertex cornerOf(uint vertex, uint object) {
     corner.y = rowTimesPoint(objects[object].rowY, p);
     corner.w = rowTimesPoint(objects[object].rowW, p);
 #endif
-    corner.carried = carried[vertex].xyz;
+    corner.attributes = attributes[vertex].xyz;
     return corner;
 }
 
@@ -70,7 +70,7 @@ void cutPolygon(int plane) {
 void writeCorner(uint vertex, ClipVertex corner) {
     ScreenVertex s = projectClipped(corner, push.viewport);
     screen[vertex] = uvec4(uint(s.x), uint(s.y), floatBitsToUint(s.z), 0u);
-    carried[vertex] = vec4(corner.carried, 0.0);
+    attributes[vertex] = vec4(corner.attributes, 0.0);
 }
 
 // Writes the fan from the first corner as draws, those that show nothing with three equal corners; returns the word of `kinds`.

@@ -46,7 +46,7 @@ layout(constant_id = 24) const uint kLightKinds = 0u;     // with kLightCount: a
 layout(push_constant, scalar) uniform Push { FillPush push; };
 layout(binding = 1) uniform usamplerBuffer draws;
 layout(binding = 2) uniform usamplerBuffer screen;
-layout(binding = 3) uniform samplerBuffer carried;       // normals, or colours of vertices or faces
+layout(binding = 3) uniform samplerBuffer attributes;    // normals, or colours of vertices or faces
 layout(binding = 4) uniform usamplerBuffer tileRecords;  // tile x | y << 16, first entry, entries
 layout(binding = 5) uniform usamplerBuffer entries;
 layout(binding = 6) uniform usamplerBuffer triangleMaterials;  // per triangle of the chunk: material, or face when flat
@@ -64,7 +64,7 @@ Toward towardLamp[kUnrolledLights * 4u];            // 4 light + row
 
 // Takes the direction of one triangle to the pixels that show it (`here`). `from`: directions at the corners in components 0 to 2, or one
 // direction in all.
-void carryVector(inout Toward to, Toward from, Shares s, bvec4 here) {
+void interpolateVector(inout Toward to, Toward from, Shares s, bvec4 here) {
     if (kVectors == kVectorsVertex) {
         from = Toward(shared3(s, from.x.x, from.x.y, from.x.z), shared3(s, from.y.x, from.y.y, from.y.z),
                       shared3(s, from.z.x, from.z.y, from.z.z), shared3(s, from.fade.x, from.fade.y, from.fade.z));
@@ -132,11 +132,11 @@ uint base;  // first invocation of the tile in the subgroup
 ivec4 z[5];
 ivec4 id[5];
 ivec4 source[5], material[4];
-vec4 carriedX[5], carriedY[5], carriedZ[5], weight[5];
+vec4 attributeX[5], attributeY[5], attributeZ[5], weight[5];
 
 #include "fill_shade.glsl"
 #include "fill_list.glsl"
-#include "fill_carry.glsl"
+#include "fill_attributes.glsl"
 
 // Returns the number of this workgroup. lavapipe gives each thread a contiguous half of the workgroups, so they are interleaved: both halves
 // weigh the same.
@@ -184,7 +184,7 @@ void main() {
         drawAlone(alone);
     else
         fault |= drawList(tile);
-    carryVisible(alone);
+    interpolateVisible(alone);
     [[unroll]] for (int r = 0; r < 4; ++r) {
         unlit[r] = Colour(vec4(0.0), vec4(0.0), vec4(0.0));
         reflects[r] = Reflectance(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));

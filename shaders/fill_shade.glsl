@@ -34,9 +34,9 @@ void chooseCoarse() {
         bool right = (which & 1) != 0, below = which > 1;
         ivec4 zs = ivec4(z[r][l], z[r][l + 1], z[r + 1][l], z[r + 1][l + 1]);
         ivec4 ms = ivec4(material[r][l], material[r][l + 1], material[r + 1][l], material[r + 1][l + 1]);
-        vec4 xs = vec4(carriedX[r][l], carriedX[r][l + 1], carriedX[r + 1][l], carriedX[r + 1][l + 1]);
-        vec4 ys = vec4(carriedY[r][l], carriedY[r][l + 1], carriedY[r + 1][l], carriedY[r + 1][l + 1]);
-        vec4 zn = vec4(carriedZ[r][l], carriedZ[r][l + 1], carriedZ[r + 1][l], carriedZ[r + 1][l + 1]);
+        vec4 xs = vec4(attributeX[r][l], attributeX[r][l + 1], attributeX[r + 1][l], attributeX[r + 1][l + 1]);
+        vec4 ys = vec4(attributeY[r][l], attributeY[r][l + 1], attributeY[r + 1][l], attributeY[r + 1][l + 1]);
+        vec4 zn = vec4(attributeZ[r][l], attributeZ[r][l + 1], attributeZ[r + 1][l], attributeZ[r + 1][l + 1]);
         vec4 ws = vec4(weight[r][l], weight[r][l + 1], weight[r + 1][l], weight[r + 1][l + 1]);
         coarseX[i] = float(pixel.x + l + (right ? 1 : 0)) + 0.5;
         coarseY[i] = float(pixel.y + r + (below ? 1 : 0)) + 0.5;
@@ -128,9 +128,9 @@ void seeRow(int r, int y) {
     Real x = vec4(float(pixel.x) + 0.5) + vec4(0.0, 1.0, 2.0, 3.0);
     Real share = weight[r];
     ivec4 depth = z[r];
-    surfaces[r].nx = carriedX[r];
-    surfaces[r].ny = carriedY[r];
-    surfaces[r].nz = carriedZ[r];
+    surfaces[r].nx = attributeX[r];
+    surfaces[r].ny = attributeY[r];
+    surfaces[r].nz = attributeZ[r];
     if (kCoarse) {
         x = coarseX;
         surfaces[r].nx = coarseNx;
@@ -209,9 +209,9 @@ void writePlanes(uint rowAt, int r, Colour c, bvec4 drawn) {
     if ((kWrite & kFillPlaneNormal) != 0u) {
         vec4 nx = surfaces[r].nx, ny = surfaces[r].ny, nz = surfaces[r].nz;
         if (kCoarse) {
-            nx = carriedX[r];
-            ny = carriedY[r];
-            nz = carriedZ[r];
+            nx = attributeX[r];
+            ny = attributeY[r];
+            nz = attributeZ[r];
             if (!kUnitNormals) {
                 vec4 inverse = reciprocal(weight[r]);
                 nx *= inverse;
@@ -251,9 +251,9 @@ void copyRow(int y) {
     z[kCopy] = rowOf(z[0], z[1], z[2], z[3], y);
     id[kCopy] = rowOf(id[0], id[1], id[2], id[3], y);
     source[kCopy] = rowOf(source[0], source[1], source[2], source[3], y);
-    carriedX[kCopy] = rowOf(carriedX[0], carriedX[1], carriedX[2], carriedX[3], y);
-    carriedY[kCopy] = rowOf(carriedY[0], carriedY[1], carriedY[2], carriedY[3], y);
-    carriedZ[kCopy] = rowOf(carriedZ[0], carriedZ[1], carriedZ[2], carriedZ[3], y);
+    attributeX[kCopy] = rowOf(attributeX[0], attributeX[1], attributeX[2], attributeX[3], y);
+    attributeY[kCopy] = rowOf(attributeY[0], attributeY[1], attributeY[2], attributeY[3], y);
+    attributeZ[kCopy] = rowOf(attributeZ[0], attributeZ[1], attributeZ[2], attributeZ[3], y);
     weight[kCopy] = rowOf(weight[0], weight[1], weight[2], weight[3], y);
     unlit[kCopy].r = rowOf(unlit[0].r, unlit[1].r, unlit[2].r, unlit[3].r, y);
     unlit[kCopy].g = rowOf(unlit[0].g, unlit[1].g, unlit[2].g, unlit[3].g, y);

@@ -12,7 +12,7 @@ layout(binding = 1, scalar) readonly buffer Polygons { ScanPolygon polygons[]; }
 layout(binding = 2, scalar) readonly buffer Spans { ScanSpan spans[]; };
 layout(binding = 3, scalar) buffer Depths { float depths[]; };
 layout(binding = 4, scalar) writeonly buffer Owners { uint owners[]; };
-layout(binding = 5, scalar) writeonly buffer Carried { vec3 carried[]; };
+layout(binding = 5, scalar) writeonly buffer Attributes { vec3 attributes[]; };
 
 void main() {
     uint item = itemIndex();
@@ -35,7 +35,7 @@ void main() {
                 if (scanTakes(v.z, depths[pixel], push.zBuffer)) {
                     depths[pixel] = v.z;
                     owners[pixel] = push.firstPolygon + n;
-                    carried[pixel] = v.carried;
+                    attributes[pixel] = v.attributes;
                 }
                 steps++;
                 budget--;

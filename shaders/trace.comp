@@ -33,11 +33,10 @@ layout(constant_id = 15) const bool kListed = false;     // samples of the pixel
 layout(constant_id = 16) const bool kCutLevels = false;  // colours in whole levels
 layout(constant_id = 17) const uint kJitterMirror = 0u;  // bits of the amounts of noise; 0: none
 layout(constant_id = 18) const uint kJitterPass = 0u;
-layout(constant_id = 19) const uint kJitterFeeler = 0u;
+layout(constant_id = 19) const uint kJitterShadow = 0u;
 layout(constant_id = 11) const int kSpheres = -1;       // number of spheres where it is small, so that their loops unroll; -1: pushed
 layout(constant_id = 20) const int kBoards = -1;        // the same of planes
 layout(constant_id = 21) const uint kHeldSpheres = 0u;  // where the spheres' records stay: kHeldBy*
-layout(constant_id = 22) const uint kFeelerBits = 32u;  // of the number of lights
 layout(constant_id = 23) const uint kLanes = 8u;        // of a subgroup, kEyeTogether
 layout(constant_id = 24) const bool kLights = true;
 layout(constant_id = 25) const bool kChildren = true;      // some hit may send a ray on
@@ -47,7 +46,7 @@ layout(constant_id = 28) const bool kTiles = false;        // neighbours are til
 layout(constant_id = 29) const bool kDeep = false;         // the tree is deeper than kLanes
 layout(constant_id = 30) const bool kLongPaths = true;     // paths may be longer than kLanes
 layout(constant_id = 31) const uint kTurns = 1u;   // samples of an invocation one after another, every other row of a tile; with kTiles
-layout(constant_id = 32) const bool kDims = true;  // some material lets a feeler through
+layout(constant_id = 32) const bool kDims = true;  // some material lets a shadow ray through
 layout(constant_id = 33) const bool kOneLight = false;
 layout(constant_id = 34) const bool kOneBoard = false;  // its record stays in registers
 layout(constant_id = 35) const bool kClose = false;     // the surface of some sphere is close to the eye
@@ -76,7 +75,7 @@ const uint kHeldByLanes = 2u;                      // by invocation i modulo 8 o
 const float kNoInverse = 2.305843009213693952e18;  // 2^61: beyond every inverse direction
 const uint kMostSteps = 30000u;                    // of a walk: half of what lavapipe's loops take
 // Functions, since glslang computes such a constant in the first function that reads it, where others do not see it.
-bool hasKeys() { return kSampling == kSampleRandom || (kJitterMirror | kJitterPass | kJitterFeeler) != 0u; }
+bool hasKeys() { return kSampling == kSampleRandom || (kJitterMirror | kJitterPass | kJitterShadow) != 0u; }
 const uint kLevels = kCutLevels ? kRayDepthLimit : 1u;
 
 const uint kSlotObject = (kPlanes & kTracePlaneDistance) != 0u ? 1u : 0u;
@@ -104,25 +103,25 @@ bool together() {
 
 float shareThatPasses(uint material) { return kDims ? texelFetch(materials, int(material) * kTraceMaterialTexels + 3).y : 0.0; }
 
-void countRay(uint depth, uint kind, uint feelers, uint undecided) {
+void countRay(uint depth, uint kind, uint shadowRays, uint undecided) {
     uint first = (depth - 1u) * kCountKinds;
     atomicAdd(counters[first + kind], 1u);
-    if (feelers > 0u) atomicAdd(counters[first + kCountFeelers], feelers);
+    if (shadowRays > 0u) atomicAdd(counters[first + kCountShadowRays], shadowRays);
     if (undecided > 0u) atomicAdd(counters[kCountUndecided], undecided);
 }
 #ifdef PLUMB_BALLOT
 // Without a list all invocations of a subgroup are at the same depth: the counts of depth n gather in invocation n - 1.
-uvec3 gathered = uvec3(0u);  // rays, refracted ones among them, feelers
+uvec3 gathered = uvec3(0u);  // rays, refracted ones among them, shadow rays
 uint lost = 0u;              // undecided
 void addCounts(uint depth, uvec3 counted) {
     uint first = (depth - 1u) * kCountKinds;
     if (counted.x > counted.y) atomicAdd(counters[first + (depth == 1u ? kCountPrimary : kCountReflected)], counted.x - counted.y);
     if (kRefracts && counted.y > 0u) atomicAdd(counters[first + kCountRefracted], counted.y);
-    if (kLights && counted.z > 0u) atomicAdd(counters[first + kCountFeelers], counted.z);
+    if (kLights && counted.z > 0u) atomicAdd(counters[first + kCountShadowRays], counted.z);
 }
 // All invocations of a subgroup run along, with zeros where they have no ray.
-void gather(uint depth, uint rays, uint refractedRays, uint feelers, uint undecided) {
-    uvec3 counted = uvec3(sumOf(rays), kRefracts ? sumOf(refractedRays) : 0u, kLights ? sumOf(feelers) : 0u);
+void gather(uint depth, uint rays, uint refractedRays, uint shadowRays, uint undecided) {
+    uvec3 counted = uvec3(sumOf(rays), kRefracts ? sumOf(refractedRays) : 0u, kLights ? sumOf(shadowRays) : 0u);
     if (kLongPaths && depth > kLanes) {
         if (gl_SubgroupInvocationID == 0u) addCounts(depth, counted);
     } else {
@@ -318,7 +317,7 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
     do {
         bool runs = alive;
         bool bent = ray.kind == kCountRefracted;
-        feelers = 0u;
+        shadowRays = 0u;
         undecided = 0u;
         if (alive || together()) {
             rays += runs ? 1u : 0u;
@@ -327,7 +326,7 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
             surfaceOf(runs);
             readMaterial();
             addColour(runs);
-            if (kCount && !together()) countRay(ray.depth, ray.kind, feelers, undecided);
+            if (kCount && !together()) countRay(ray.depth, ray.kind, shadowRays, undecided);
             if (runs && rays == 1u && push.first != 0u) writeFirstHit(word);
             bool onward = sendOn(item);
             take = !onward;
@@ -335,7 +334,7 @@ void traceSample(uint item, uint column, uint row, bool mine, EyeHit eye) {
         }
         trips++;
 #ifdef PLUMB_BALLOT
-        if (kCount && together()) gather(trips, runs ? 1u : 0u, runs && bent ? 1u : 0u, feelers, runs ? undecided : 0u);
+        if (kCount && together()) gather(trips, runs ? 1u : 0u, runs && bent ? 1u : 0u, shadowRays, runs ? undecided : 0u);
 #endif
     } while ((kChildren || kList) && trips < push.rayLimit && goesOn(alive));
     if (kList && begun && alive) {

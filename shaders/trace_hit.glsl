@@ -14,9 +14,9 @@ struct PathRay {
     uint key;      // of its noise
 };
 PathRay ray;
-RayFrame frame;  // of `ray`, kMeshes
-uint undecided;  // planes that are parallel to `ray` within rounding
-uint feelers;    // shadow rays from the hit of `ray`
+RayFrame frame;   // of `ray`, kMeshes
+uint undecided;   // planes that are parallel to `ray` within rounding
+uint shadowRays;  // shadow rays from the hit of `ray`
 
 // Sample that the rays belong to.
 vec3 colour;           // sum so far

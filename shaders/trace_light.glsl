@@ -13,33 +13,33 @@ void readMaterial() {
 }
 
 // Dims `passed`, the light that a shadow ray keeps, by what stands between `hit` and the light.
-void dimBySpheres(Feeler feeler, inout float passed) {
+void dimBySpheres(ShadowRay shadowRay, inout float passed) {
     int i = 0;
     [[unroll]] for (i = 0; i < sphereCount(); ++i) {
-        SphereHit met = sphereAt(i, hit.before, feeler.direction, nearest.object, hit.within);
-        passed *= blocks(met.t, feeler.reach) ? (kDims ? shareThatPasses(texelFetch(surfaces, i).x) : 0.0) : 1.0;
+        SphereHit met = sphereAt(i, hit.before, shadowRay.direction, nearest.object, hit.within);
+        passed *= blocks(met.t, shadowRay.reach) ? (kDims ? shareThatPasses(texelFetch(surfaces, i).x) : 0.0) : 1.0;
     }
     fault |= i < sphereCount() ? kFaultLoop : 0u;
 }
-void dimByBoards(Feeler feeler, inout float passed) {
+void dimByBoards(ShadowRay shadowRay, inout float passed) {
     int i = 0;
     for (i = 0; i < boardCount(); ++i) {
-        PlaneHit met = boardAt(i, hit.before, feeler.direction, nearest.object, hit.within);
-        passed *= blocks(met.t, feeler.reach) ? (kDims ? shareThatPasses(materialOfBoard(i, met)) : 0.0) : 1.0;
+        PlaneHit met = boardAt(i, hit.before, shadowRay.direction, nearest.object, hit.within);
+        passed *= blocks(met.t, shadowRay.reach) ? (kDims ? shareThatPasses(materialOfBoard(i, met)) : 0.0) : 1.0;
     }
     fault |= i < boardCount() ? kFaultLoop : 0u;
 }
-void dimByMeshes(Feeler feeler, bool sent, inout float passed) {
-    RayFrame along = frameOfRay(hit.before, feeler.direction, push.reach);
+void dimByMeshes(ShadowRay shadowRay, bool sent, inout float passed) {
+    RayFrame along = frameOfRay(hit.before, shadowRay.direction, push.reach);
     int children = int(push.childCount);
     int child = 0;
     while (sent && passed > 0.0 && child < children) {
-        uint link = nextLeaf(along, feeler.reach, child);
+        uint link = nextLeaf(along, shadowRay.reach, child);
         uint triangle;
         TriangleHit at = leafAt(link >= kLeaf ? link & ~kLeaf : 0u, along, nearest.object - firstTriangle(), triangle);
         uint owner = texelFetch(triangles, int(triangle) * 2).w;
-        float slope = dot3(feeler.direction, uintBitsToFloat(texelFetch(triangles, int(triangle) * 2 + 1).xyz));
-        bool met = link >= kLeaf && blocks(at.t, feeler.reach);
+        float slope = dot3(shadowRay.direction, uintBitsToFloat(texelFetch(triangles, int(triangle) * 2 + 1).xyz));
+        bool met = link >= kLeaf && blocks(at.t, shadowRay.reach);
         passed *= met ? passesTriangle(shareThatPasses(owner), slope) : 1.0;
     }
     fault |= sent && passed > 0.0 && child < children ? kFaultLoop : 0u;
@@ -47,17 +47,17 @@ void dimByMeshes(Feeler feeler, bool sent, inout float passed) {
 
 // Returns the share of a light that reaches `hit`. `lit`: true when the hit asks for this light.
 float shareOfLight(int light, vec4 place, bool lit) {
-    Feeler feeler = feelerTo(place, hit.before);
-    bool above = dot3(hit.seen, feeler.direction) > 0.0 && dot3(hit.n, feeler.direction) > 0.0;
-    feelers += lit && above ? 1u : 0u;
-    if (kJitterFeeler != 0u)
-        feeler.direction =
-            jittered(feeler.direction, hit.n, uintBitsToFloat(kJitterFeeler), keyOfChild(ray.key, kFirstFeelerKey + uint(light)));
+    ShadowRay shadowRay = shadowRayTo(place, hit.before);
+    bool above = dot3(hit.seen, shadowRay.direction) > 0.0 && dot3(hit.n, shadowRay.direction) > 0.0;
+    shadowRays += lit && above ? 1u : 0u;
+    if (kJitterShadow != 0u)
+        shadowRay.direction =
+            jittered(shadowRay.direction, hit.n, uintBitsToFloat(kJitterShadow), keyOfChild(ray.key, kFirstShadowKey + uint(light)));
     float passed = 1.0;
     if (kShadows) {
-        dimBySpheres(feeler, passed);
-        dimByBoards(feeler, passed);
-        if (kMeshes) dimByMeshes(feeler, lit && above, passed);
+        dimBySpheres(shadowRay, passed);
+        dimByBoards(shadowRay, passed);
+        if (kMeshes) dimByMeshes(shadowRay, lit && above, passed);
     }
     return above ? passed : 0.0;
 }

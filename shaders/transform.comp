@@ -19,7 +19,7 @@ layout(binding = 1) uniform samplerBuffer positions;  // xyz, object space
 layout(binding = 2) uniform samplerBuffer normals;    // xyz, object space
 layout(binding = 3, scalar) readonly buffer Objects { ObjectRecord objects[]; };
 layout(binding = 4, scalar) writeonly buffer Screen { uvec4 screen[]; };
-layout(binding = 5, scalar) writeonly buffer Varying { vec4 carried[]; };
+layout(binding = 5, scalar) writeonly buffer Attributes { vec4 attributes[]; };
 #ifdef PLUMB_LONG
 layout(binding = 6, scalar) readonly buffer Longs { LongRecord longs[]; };  // one an object
 layout(binding = 7, scalar) writeonly buffer Clip { vec4 clipSpace[]; };    // x, y, w; clipping continues from there
@@ -52,7 +52,7 @@ void main() {
             unitVector(x, y, z);
             world = vec4(x.x, y.x, z.x, 0.0);
         }
-        if (mine) carried[at] = world;
+        if (mine) attributes[at] = world;
     }
     finish(push.statusSlot, 0u);
 }

@@ -119,7 +119,7 @@ TraceRow rowOf(const std::string& name, const std::string& theirs, const TraceBe
 void countWork(TraceRow& row, ResidentPicture& ours) {
     for (const auto& r : ours.counters().rays) {
         row.rays += r.primary + r.reflected + r.refracted;
-        row.feelers += r.feelers;
+        row.shadowRays += r.shadowRays;
     }
     ours.recorder().takeTimes();
     const double ms = msOf([&] { ours.draw(); });

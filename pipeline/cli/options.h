@@ -108,7 +108,7 @@ struct Options {
     uint32_t verbose = 0;
 
     std::string object;                             // matrix: name or number; empty: all
-    std::vector<glm::dvec3> points;                 // matrix: carried through the chain; in the plane z is 0
+    std::vector<glm::dvec3> points;                 // matrix: taken through the chain; in the plane z is 0
     bool planePoints = false, spacePoints = false;  // with two and with three numbers
     int dimensions = 3;                             // matrix: 2 or 3
     bool rowNotation = false, zReversed = false, inverse = false;

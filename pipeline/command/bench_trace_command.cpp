@@ -24,12 +24,12 @@ Json jsonOf(const TraceRow& row) {
     json["size"] = {row.width, row.height};
     json["pairs"] = row.ratio.count;
     json["rays"] = row.rays;
-    json["feelers"] = row.feelers;
+    json["feelers"] = row.shadowRays;
     json["ours_ms"] = spreadJson(row.oursMs);
     json["theirs_ms"] = spreadJson(row.theirsMs);
     json["ratio"] = spreadJson(row.ratio);
     json["ratio_of_least"] = row.ratioOfLeast;
-    json["rays_per_second"] = double(row.rays + row.feelers) / row.oursMs.median * 1000;
+    json["rays_per_second"] = double(row.rays + row.shadowRays) / row.oursMs.median * 1000;
     json["dispatch_ms"] = row.longestDispatchMs;
     json["agreement"] = {{"differ", row.differ}, {"allowed_share", row.allowed}, {"failure", row.failure}};
     return json;
@@ -39,7 +39,7 @@ std::string textOf(const TraceRow& row) {
     std::string text =
         fmt::format("{:<22} {:>8} {:>9.2f} {:>9.2f}   {:>5.2f} [{:.2f}..{:.2f}]   {:>5.2f}   {:>7.2f} {:>8.1f}   {:>6}   {}\n", row.name,
                     row.objects, row.theirsMs.median, row.oursMs.median, row.ratio.median, row.ratio.p10, row.ratio.p90, row.ratioOfLeast,
-                    double(row.rays + row.feelers) / row.oursMs.median * 1e-3, row.longestDispatchMs, row.differ, row.theirs);
+                    double(row.rays + row.shadowRays) / row.oursMs.median * 1e-3, row.longestDispatchMs, row.differ, row.theirs);
     if (!row.failure.empty()) text += fmt::format("    PICTURES DISAGREE: {}\n", row.failure);
     return text;
 }
@@ -65,7 +65,7 @@ Exit benchTraceCommand(const Options& options, Renderer& renderer, std::vector<s
     json["rows"] = Json::array();
     if (text)
         printData(
-            fmt::format("{}\n{}x{}, {} pairs; ratio = theirs / ours, median [10 %..90 %]; Mray/s of ours, feelers "
+            fmt::format("{}\n{}x{}, {} pairs; ratio = theirs / ours, median [10 %..90 %]; Mray/s of ours, shadow rays "
                         "counted; differ: pixels more than 4 levels or another triangle\n"
                         "{:<22} {:>8} {:>9} {:>9}   {:<18}  {:>5}   {:>7} {:>8}   {:>6}   {}\n",
                         printable(renderer.name()), trace.width, trace.height, trace.pairs, "row", "objects", "theirs ms", "ours ms",

@@ -70,8 +70,9 @@ Json rowJson(const Row& row, const Measurement& m) {
             RenderCounters::RayCounts sum;
             for (const RenderCounters::RayCounts& depth : run.rays)
                 sum.primary += depth.primary, sum.reflected += depth.reflected, sum.refracted += depth.refracted,
-                    sum.feelers += depth.feelers;
-            json["rays"] = {{"primary", sum.primary}, {"reflected", sum.reflected}, {"refracted", sum.refracted}, {"feelers", sum.feelers}};
+                    sum.shadowRays += depth.shadowRays;
+            json["rays"] = {
+                {"primary", sum.primary}, {"reflected", sum.reflected}, {"refracted", sum.refracted}, {"feelers", sum.shadowRays}};
         }
         if (run.alike) json["errorAtItsSamples"] = errorJson(*run.alike, true, run.rounding);
         if (run.error) json["error"] = errorJson(*run.error, false, run.rounding);

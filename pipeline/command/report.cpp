@@ -166,7 +166,7 @@ Json countersJson(const RenderCounters& c) {
     if (c.rays.empty()) return json;
     Json& rays = json["rays"] = Json::array();
     for (const RenderCounters::RayCounts& r : c.rays)
-        rays.push_back({{"primary", r.primary}, {"reflected", r.reflected}, {"refracted", r.refracted}, {"feelers", r.feelers}});
+        rays.push_back({{"primary", r.primary}, {"reflected", r.reflected}, {"refracted", r.refracted}, {"feelers", r.shadowRays}});
     json["undecidedRays"] = c.undecidedRays;
     json["refinedPixels"] = c.refinedPixels;
     return json;

@@ -47,15 +47,15 @@ void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides,
                  const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& tiles, const Buffer<uint32_t>& entries,
                  const Buffer<uint32_t>& overflow);
 
-// Clips the triangles of `jobs`. Writes their corners to screen and carried at job.vertex, the fan to draws at job.place; kinds[job] = wide
+// Clips the triangles of `jobs`. Writes their corners to screen and attributes at job.vertex, the fan to draws at job.place; kinds[job] = wide
 // | number of drawn triangles << 1. `given`: clip-space x, y, w that a more accurate transform left; empty: they are computed in float32.
 void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std::span<const glm::uvec4> triangles,
              std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects, std::span<gpu::ScreenVertex> screen,
-             std::span<glm::vec4> carried, std::span<gpu::DrawTriangle> draws, std::span<uint32_t> kinds, uint32_t threads,
+             std::span<glm::vec4> attributes, std::span<gpu::DrawTriangle> draws, std::span<uint32_t> kinds, uint32_t threads,
              std::span<const glm::vec4> given = {});
 void recordClip(Recorder& recorder, const gpu::ClipPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,
                 const Buffer<glm::vec4>& positions, const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::ClipJob>& jobs,
-                const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried, const Buffer<gpu::DrawTriangle>& draws,
+                const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& attributes, const Buffer<gpu::DrawTriangle>& draws,
                 const Buffer<uint32_t>& kinds, const Buffer<glm::vec4>* given = nullptr);
 
 }  // namespace plumb

@@ -143,7 +143,7 @@ void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places
 
 void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std::span<const glm::uvec4> triangles,
              std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects, std::span<gpu::ScreenVertex> screen,
-             std::span<glm::vec4> carried, std::span<gpu::DrawTriangle> draws, std::span<uint32_t> kinds, uint32_t threads,
+             std::span<glm::vec4> attributes, std::span<gpu::DrawTriangle> draws, std::span<uint32_t> kinds, uint32_t threads,
              std::span<const glm::vec4> given) {
     parallelBands(jobs.size(), 64, threads, [&](uint64_t begin, uint64_t end) {
         std::vector<gpu::ClipVertex> polygon, next;
@@ -154,9 +154,9 @@ void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std:
             for (int i = 0; i < 3; ++i) {
                 const uint32_t v = triangles[job.triangle][i];
                 const glm::vec3 p(positions[v]);
-                polygon.push_back(
-                    {gpu::rowTimesPoint(o.rowX, p), gpu::rowTimesPoint(o.rowY, p), gpu::rowTimesPoint(o.rowW, p), glm::vec3(carried[v])});
-                if (!given.empty()) polygon.back() = {given[v].x, given[v].y, given[v].z, polygon.back().carried};
+                polygon.push_back({gpu::rowTimesPoint(o.rowX, p), gpu::rowTimesPoint(o.rowY, p), gpu::rowTimesPoint(o.rowW, p),
+                                   glm::vec3(attributes[v])});
+                if (!given.empty()) polygon.back() = {given[v].x, given[v].y, given[v].z, polygon.back().attributes};
             }
             for (int plane = 0; plane < gpu::kClipPlanes; ++plane) {
                 next.clear();
@@ -175,7 +175,7 @@ void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std:
             std::vector<glm::ivec2> place;
             for (size_t i = 0; i < polygon.size(); ++i) {
                 screen[job.vertex + i] = gpu::projectClipped(polygon[i], push.viewport);
-                carried[job.vertex + i] = glm::vec4(polygon[i].carried, 0.0f);
+                attributes[job.vertex + i] = glm::vec4(polygon[i].attributes, 0.0f);
                 place.push_back(placeOf(screen[job.vertex + i]));
             }
             for (uint32_t i = 0; i < gpu::kClipFan; ++i) {

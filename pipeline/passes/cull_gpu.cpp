@@ -32,14 +32,14 @@ void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides,
 
 void recordClip(Recorder& recorder, const gpu::ClipPush& push, const Specialization& exact, const Buffer<glm::uvec4>& triangles,
                 const Buffer<glm::vec4>& positions, const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::ClipJob>& jobs,
-                const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried, const Buffer<gpu::DrawTriangle>& draws,
+                const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& attributes, const Buffer<gpu::DrawTriangle>& draws,
                 const Buffer<uint32_t>& kinds, const Buffer<glm::vec4>* given) {
     std::vector<Binding> bindings = {texels("triangles", triangles, View::texelU32x4),
                                      texels("positions", positions, View::texelF32x4),
                                      storage("Objects", objects),
                                      storage("Jobs", jobs),
                                      storage("Screen", screen),
-                                     storage("Varying", carried),
+                                     storage("Attributes", attributes),
                                      storage("Draws", draws),
                                      storage("Kinds", kinds)};
     if (given != nullptr) bindings.push_back(storage("Given", *given));

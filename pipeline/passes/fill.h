@@ -36,7 +36,7 @@ struct FillChoices {
 };
 
 // Normals that the transform leaves for these choices. `always`: world normals whatever the shading (normal plane).
-inline Normals normalsCarried(const FillChoices& choices, bool always) {
+inline Normals normalsOfTransform(const FillChoices& choices, bool always) {
     if (always) return Normals::direction;
     if (choices.shading != gpu::kShadingPhong) return Normals::none;
     return choices.unitNormals ? Normals::direction : Normals::unit;
@@ -68,13 +68,13 @@ void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draw
 
 // Twin, second half: linear colour (3 floats a pixel) and, when asked for, unit normals of the covered pixels.
 void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoices& choices, std::span<const gpu::DrawTriangle> draws,
-              std::span<const gpu::ScreenVertex> screen, std::span<const glm::vec4> carried, std::span<const int> z,
+              std::span<const gpu::ScreenVertex> screen, std::span<const glm::vec4> attributes, std::span<const int> z,
               std::span<const uint32_t> draw, std::span<float> linear, std::span<float> normal, uint32_t threads);
 
 struct FillBuffers {
     const Buffer<gpu::DrawTriangle>& draws;
     const Buffer<gpu::ScreenVertex>& screen;
-    const Buffer<glm::vec4>& carried;
+    const Buffer<glm::vec4>& attributes;
     const Buffer<glm::uvec4>& tiles;  // tile x | y << 16, first entry, entries
     const Buffer<uint32_t>& entries;
     const Buffer<uint32_t>& triangleMaterials;

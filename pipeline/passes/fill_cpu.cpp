@@ -66,15 +66,15 @@ struct Geometry {
 class PixelShader {
 public:
     PixelShader(const gpu::FrameBox& frame, const DrawList& list, const FillChoices& choices, std::span<const gpu::DrawTriangle> draws,
-                std::span<const gpu::ScreenVertex> screen, std::span<const glm::vec4> carried, std::span<const int> z,
+                std::span<const gpu::ScreenVertex> screen, std::span<const glm::vec4> attributes, std::span<const int> z,
                 std::span<const uint32_t> draw)
-        : frame_(frame), list_(list), choices_(choices), draws_(draws), screen_(screen), carried_(carried), z_(z), draw_(draw) {}
+        : frame_(frame), list_(list), choices_(choices), draws_(draws), screen_(screen), attributes_(attributes), z_(z), draw_(draw) {}
 
     // Writes the colour of a covered pixel, and its unit normal where Phong shading asks for one.
     void shade(size_t at, float* colour, float* unitNormal) const {
         const gpu::DrawTriangle& d = draws_[draw_[at] - 1];
         const gpu::MaterialRecord& m = list_.materials[list_.triangles[d.source].w];
-        Varying v = varyingAt(at, d);
+        Attributes v = attributesAt(at, d);
         gpu::Colour c{};
         if (choices_.shading == gpu::kShadingUnlit) {
             c = {m.diffuse.x, m.diffuse.y, m.diffuse.z};
@@ -114,8 +114,8 @@ public:
     }
 
 private:
-    // What a triangle carries to a pixel: a colour or a normal, times the sum of the weights.
-    struct Varying {
+    // Attributes of a triangle at a pixel: a colour or a normal, times the sum of the weights.
+    struct Attributes {
         std::array<float, 3> value{};
         float weight = 0;
         gpu::Shares shares{};  // of the corners
@@ -124,10 +124,10 @@ private:
     int64_t columnOf(size_t at) const { return int64_t(at % size_t(frame_.width)); }
     int64_t rowOf(size_t at) const { return int64_t(at / size_t(frame_.width)) + frame_.firstRow; }
 
-    Varying varyingAt(size_t at, const gpu::DrawTriangle& d) const {
-        Varying v;
+    Attributes attributesAt(size_t at, const gpu::DrawTriangle& d) const {
+        Attributes v;
         if (choices_.shading == gpu::kShadingFlat) {
-            const glm::vec4& c = carried_[list_.triangleFace[d.source]];
+            const glm::vec4& c = attributes_[list_.triangleFace[d.source]];
             v.value = {c.x, c.y, c.z};
             v.weight = 1;
         } else if (choices_.shading >= gpu::kShadingGouraud) {
@@ -137,7 +137,7 @@ private:
             int highest = 0;
             for (uint32_t vertex : d.vertex) highest = std::max(highest, gpu::bitsOf(screen_[vertex].z));
             for (int i = 0; i < 3; ++i) w[i] = choices_.affine ? 1.0f : screen_[d.vertex[i]].z * gpu::weightScale(highest);
-            const glm::vec4 &a0 = carried_[d.vertex[0]], &a1 = carried_[d.vertex[1]], &a2 = carried_[d.vertex[2]];
+            const glm::vec4 &a0 = attributes_[d.vertex[0]], &a1 = attributes_[d.vertex[1]], &a2 = attributes_[d.vertex[2]];
             for (int i = 0; i < 3; ++i) v.value[size_t(i)] = gpu::weigh(a0[i] * w[0], a1[i] * w[1], a2[i] * w[2], e[0], e[1], e[2]);
             v.weight = gpu::weigh(w[0], w[1], w[2], e[0], e[1], e[2]);
             v.shares = gpu::sharesOf(w[0], w[1], w[2], e[0], e[1], e[2]);
@@ -162,7 +162,7 @@ private:
     }
 
     // Returns normal, place and direction to the eye of a pixel.
-    gpu::Surface surfaceAt(size_t at, const gpu::DrawTriangle& d, const Varying& v) const {
+    gpu::Surface surfaceAt(size_t at, const gpu::DrawTriangle& d, const Attributes& v) const {
         gpu::Surface s{};
         s.nx = v.value[0];
         s.ny = v.value[1];
@@ -188,7 +188,7 @@ private:
         return s;
     }
 
-    void addLights(const gpu::DrawTriangle& d, const gpu::MaterialRecord& m, const Varying& v, const gpu::Surface& s,
+    void addLights(const gpu::DrawTriangle& d, const gpu::MaterialRecord& m, const Attributes& v, const gpu::Surface& s,
                    gpu::Colour& c) const {
         for (const gpu::LightRecord& light : list_.lights) {
             const glm::vec4 place(light.place, light.kind), intensity(light.intensity, light.attenuation);
@@ -206,7 +206,7 @@ private:
     const FillChoices& choices_;
     std::span<const gpu::DrawTriangle> draws_;
     std::span<const gpu::ScreenVertex> screen_;
-    std::span<const glm::vec4> carried_;
+    std::span<const glm::vec4> attributes_;
     std::span<const int> z_;
     std::span<const uint32_t> draw_;
 };
@@ -246,9 +246,9 @@ void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draw
 }
 
 void shadeCpu(const gpu::FrameBox& frame, const DrawList& list, const FillChoices& choices, std::span<const gpu::DrawTriangle> draws,
-              std::span<const gpu::ScreenVertex> screen, std::span<const glm::vec4> carried, std::span<const int> z,
+              std::span<const gpu::ScreenVertex> screen, std::span<const glm::vec4> attributes, std::span<const int> z,
               std::span<const uint32_t> draw, std::span<float> linear, std::span<float> normal, uint32_t threads) {
-    const PixelShader shader(frame, list, choices, draws, screen, carried, z, draw);
+    const PixelShader shader(frame, list, choices, draws, screen, attributes, z, draw);
     parallelBands(uint64_t(frame.rows), 8, threads, [&](uint64_t begin, uint64_t end) {
         for (size_t at = begin * frame.width; at < end * frame.width; ++at) {
             if (!draw[at]) continue;

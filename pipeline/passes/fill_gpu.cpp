@@ -64,7 +64,7 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
     std::vector<Binding> bindings = {
         texels("draws", b.draws, View::texelU32x4),
         texels("screen", b.screen, View::texelU32x4),
-        texels("carried", b.carried, View::texelF32x4),
+        texels("attributes", b.attributes, View::texelF32x4),
         texels("tileRecords", b.tiles, View::texelU32x4, tileOffset, uint64_t(push.tileCount) * sizeof(glm::uvec4)),
         texels("entries", b.entries, View::texelU32),
         texels("triangleMaterials", b.triangleMaterials, View::texelU32),

@@ -34,7 +34,7 @@ struct ScanList {
 struct ScanCanvas {
     std::vector<float> z;
     std::vector<uint32_t> owner;
-    std::vector<glm::vec3> carried;
+    std::vector<glm::vec3> attributes;
 };
 
 // Fills on the CPU, polygon by polygon, as the notes do.
@@ -48,7 +48,7 @@ void recordScanSpans(Recorder& recorder, const gpu::ScanPush& push, const Specia
                      const Buffer<gpu::ScanEdge>& edges, const Buffer<gpu::ScanCorner>& corners, const Buffer<gpu::ScanSpan>& spans);
 void recordScanPaint(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact, const Buffer<gpu::ScanPolygon>& polygons,
                      const Buffer<gpu::ScanSpan>& spans, const Buffer<float>& z, const Buffer<uint32_t>& owner,
-                     const Buffer<glm::vec3>& carried);
+                     const Buffer<glm::vec3>& attributes);
 // Runs both kernels over the whole list. Throws Error(failed) where the device has no memory left.
 ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list, const Specialization& exact, double watchdogMs,
                        std::vector<gpu::ScanSpan>* spans);

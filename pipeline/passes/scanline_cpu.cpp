@@ -121,7 +121,7 @@ ScanCanvas scanlineCpu(const ScanList& list) {
     const size_t pixels = size_t(list.width) * size_t(list.height);
     canvas.z.assign(pixels, gpu::kScanFarthest);
     canvas.owner.assign(pixels, gpu::kNoPolygon);
-    canvas.carried.assign(pixels, glm::vec3(0));
+    canvas.attributes.assign(pixels, glm::vec3(0));
     for (uint32_t number = 0; number < list.polygons.size(); ++number) {
         const gpu::ScanPolygon& p = list.polygons[number];
         walkLines(list, p, [&](int y, const gpu::ScanSpan& s) {
@@ -133,7 +133,7 @@ ScanCanvas scanlineCpu(const ScanList& list) {
                 if (!gpu::scanTakes(v.z, canvas.z[pixel], list.zBuffer)) continue;
                 canvas.z[pixel] = v.z;
                 canvas.owner[pixel] = number;
-                canvas.carried[pixel] = v.carried;
+                canvas.attributes[pixel] = v.attributes;
             }
         });
     }

@@ -20,10 +20,10 @@ void recordScanSpans(Recorder& recorder, const gpu::ScanPush& push, const Specia
 
 void recordScanPaint(Recorder& recorder, const gpu::ScanPush& push, const Specialization& exact, const Buffer<gpu::ScanPolygon>& polygons,
                      const Buffer<gpu::ScanSpan>& spans, const Buffer<float>& z, const Buffer<uint32_t>& owner,
-                     const Buffer<glm::vec3>& carried) {
+                     const Buffer<glm::vec3>& attributes) {
     recorder.dispatch("scanpaint", spirv::scanpaint, uint64_t(push.height), push,
                       {storage("Polygons", polygons), storage("Spans", spans), storage("Depths", z), storage("Owners", owner),
-                       storage("Carried", carried)},
+                       storage("Attributes", attributes)},
                       exact);
 }
 
@@ -41,10 +41,10 @@ ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list,
     ScanCanvas canvas;
     Buffer<float> z(device, pixels, "scanline Z");
     Buffer<uint32_t> owner(device, pixels, "scanline owners");
-    Buffer<glm::vec3> carried(device, pixels, "scanline values");
+    Buffer<glm::vec3> attributes(device, pixels, "scanline values");
     z.fill(gpu::ubitsOf(gpu::kScanFarthest));
     owner.fill(gpu::kNoPolygon);
-    carried.fill(0);
+    attributes.fill(0);
     const uint32_t count = uint32_t(list.polygons.size());
     if (spansOut) spansOut->clear();
     if (count == 0) {
@@ -62,7 +62,7 @@ ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list,
         for (uint32_t first = 0; first < count;) {
             const uint32_t end = scanSliceEnd(list, first);
             recordScanPaint(recorder, {0, first, end - first, list.width, list.height, list.zBuffer}, exact, polygons, spans, z, owner,
-                            carried);
+                            attributes);
             first = end;
         }
         recorder.run(watchdogMs);
@@ -70,7 +70,7 @@ ScanCanvas scanlineGpu(Device& device, Recorder& recorder, const ScanList& list,
     }
     canvas.z.assign(z.span().begin(), z.span().end());
     canvas.owner.assign(owner.span().begin(), owner.span().end());
-    canvas.carried.assign(carried.span().begin(), carried.span().end());
+    canvas.attributes.assign(attributes.span().begin(), attributes.span().end());
     return canvas;
 }
 

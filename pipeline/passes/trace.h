@@ -45,7 +45,7 @@ struct TraceChoices {
     // x | y << 16: only the samples of these pixels, `side` rows of `side` a pixel; empty: those of all pixels
     std::span<const uint32_t> pixels;
     bool cutLevels = false;                                    // colours in whole levels; no material has two children and no ray waits
-    float jitterMirror = 0, jitterPass = 0, jitterFeeler = 0;  // amounts of noise, at most 1/2
+    float jitterMirror = 0, jitterPass = 0, jitterShadow = 0;  // amounts of noise, at most 1/2
     gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The twin: recursion, objects from the last to the first, the tree from its far child to its near one, feelers that gather their blockers
+// The twin: recursion, objects from the last to the first, the tree from its far child to its near one, shadow rays that gather their blockers
 // before they multiply.
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/trace.h"
@@ -169,27 +169,27 @@ private:
         return gpu::pointOnPlane(scene_.planes[i].normal, hit.point);
     }
 
-    // What a feeler lets through.
-    float passed(const glm::vec3& q, const gpu::Feeler& feeler, uint32_t from, bool inside) const {
+    // What a shadow ray lets through.
+    float passed(const glm::vec3& q, const gpu::ShadowRay& shadowRay, uint32_t from, bool inside) const {
         std::vector<std::pair<uint32_t, float>> blockers;  // triangles by their leaf
         if (!scene_.nodes.empty()) {
-            const gpu::RayFrame frame = gpu::frameOfRay(q, feeler.direction, scene_.reach);
+            const gpu::RayFrame frame = gpu::frameOfRay(q, shadowRay.direction, scene_.reach);
             walk(
-                0, frame, [&] { return feeler.reach; },
+                0, frame, [&] { return shadowRay.reach; },
                 [&](uint32_t leaf, uint32_t i) {
-                    if (!gpu::blocks(triangle(i, frame, firstTriangle() + i == from).t, feeler.reach)) return;
-                    const float slope = gpu::dot3(feeler.direction, floatsOf(scene_.triangles[2 * size_t(i) + 1]));
+                    if (!gpu::blocks(triangle(i, frame, firstTriangle() + i == from).t, shadowRay.reach)) return;
+                    const float slope = gpu::dot3(shadowRay.direction, floatsOf(scene_.triangles[2 * size_t(i) + 1]));
                     const float share = scene_.materials[scene_.triangles[2 * size_t(i)].w].transmit;
                     blockers.emplace_back(firstTriangle() + leaf, gpu::passesTriangle(share, slope));
                 });
         }
         for (size_t i = scene_.planes.size(); i-- > 0;) {
-            const gpu::PlaneHit hit = plane(i, q, feeler.direction, from, inside);
-            if (gpu::blocks(hit.t, feeler.reach))
+            const gpu::PlaneHit hit = plane(i, q, shadowRay.direction, from, inside);
+            if (gpu::blocks(hit.t, shadowRay.reach))
                 blockers.emplace_back(uint32_t(scene_.spheres.size() + i), scene_.materials[materialOfPlane(i, hit)].transmit);
         }
         for (size_t i = scene_.spheres.size(); i-- > 0;)
-            if (gpu::blocks(sphere(i, q, feeler.direction, from, inside).t, feeler.reach))
+            if (gpu::blocks(sphere(i, q, shadowRay.direction, from, inside).t, shadowRay.reach))
                 blockers.emplace_back(uint32_t(i), scene_.materials[scene_.surfaces[i]].transmit);
         std::sort(blockers.begin(), blockers.end());
         float product = 1;
@@ -207,14 +207,14 @@ private:
         for (size_t i = 0; i < scene_.lights.size(); ++i) {
             const gpu::LightRecord& light = scene_.lights[i];
             const glm::vec4 place(light.place, light.kind);
-            gpu::Feeler feeler = gpu::feelerTo(place, q);
+            gpu::ShadowRay shadowRay = gpu::shadowRayTo(place, q);
             float share = 0;
-            if (gpu::dot3(n, feeler.direction) > 0.0f && gpu::dot3(geometric, feeler.direction) > 0.0f) {
-                ++counters_[(ray.depth - 1) * gpu::kCountKinds + gpu::kCountFeelers];
-                if (choices_.jitterFeeler > 0)
-                    feeler.direction = gpu::jittered(feeler.direction, geometric, choices_.jitterFeeler,
-                                                     gpu::keyOfChild(ray.key, gpu::kFirstFeelerKey + uint32_t(i)));
-                share = choices_.shadows ? passed(q, feeler, seen.hit.object, within) : 1.0f;
+            if (gpu::dot3(n, shadowRay.direction) > 0.0f && gpu::dot3(geometric, shadowRay.direction) > 0.0f) {
+                ++counters_[(ray.depth - 1) * gpu::kCountKinds + gpu::kCountShadowRays];
+                if (choices_.jitterShadow > 0)
+                    shadowRay.direction = gpu::jittered(shadowRay.direction, geometric, choices_.jitterShadow,
+                                                        gpu::keyOfChild(ray.key, gpu::kFirstShadowKey + uint32_t(i)));
+                share = choices_.shadows ? passed(q, shadowRay, seen.hit.object, within) : 1.0f;
             }
             gpu::addLight(place, glm::vec4(light.intensity * share, light.attenuation), surface, k, choices_.parts, c);
         }

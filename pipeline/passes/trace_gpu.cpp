@@ -60,13 +60,12 @@ void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScen
     constants["kCutLevels"] = choices.cutLevels;
     constants["kJitterMirror"] = gpu::ubitsOf(choices.jitterMirror);
     constants["kJitterPass"] = gpu::ubitsOf(choices.jitterPass);
-    constants["kJitterFeeler"] = gpu::ubitsOf(choices.jitterFeeler);
+    constants["kJitterShadow"] = gpu::ubitsOf(choices.jitterShadow);
     constants["kMeshes"] = !scene.nodes.empty();
     const size_t spheres = scene.spheres.size(), planes = scene.planes.size();
     constants["kSpheres"] = spheres <= kUnrolledSpheres ? uint32_t(spheres) : ~0u;
     constants["kBoards"] = planes <= kUnrolledPlanes ? uint32_t(planes) : ~0u;
     constants["kHeldSpheres"] = spheres <= kHeldSpheres ? 1u : spheres <= kUnrolledSpheres && choices.lanes && !choices.list ? 2u : 0u;
-    constants["kFeelerBits"] = uint32_t(std::bit_width(scene.lights.size()));
     const bool refracts = sends(push, scene, &gpu::TraceMaterial::transmit);
     constants["kLanes"] = std::max(1u, choices.lanes);
     constants["kLights"] = !scene.lights.empty();

@@ -11,7 +11,7 @@
 
 namespace plumb {
 
-// World normals that a transform leaves in `carried`.
+// World normals that a transform leaves in `attributes`.
 enum class Normals : uint32_t { none, direction, unit };
 
 // Input and output of the more accurate transforms: records of the objects, and clip-space x, y, w of the vertices.
@@ -29,15 +29,15 @@ struct LongBuffers {
 // Transforms the vertices of one object.
 void transformCpu(const gpu::TransformPush& push, Normals writeNormals, std::span<const glm::vec4> positions,
                   std::span<const glm::vec4> normals, std::span<const gpu::ObjectRecord> objects, std::span<gpu::ScreenVertex> screen,
-                  std::span<glm::vec4> carried, uint32_t threads, const LongTransform& longer = {});
+                  std::span<glm::vec4> attributes, uint32_t threads, const LongTransform& longer = {});
 
 void recordTransform(Recorder& recorder, const gpu::TransformPush& push, Normals writeNormals, const Specialization& exact,
                      const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals, const Buffer<gpu::ObjectRecord>& objects,
-                     const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& carried);
+                     const Buffer<gpu::ScreenVertex>& screen, const Buffer<glm::vec4>& attributes);
 // Transforms in another number format than fp32. Throws Error(usage) for fp64 on a device that has no binary64, or no exact one.
 void recordLongTransform(Recorder& recorder, Device& device, const gpu::TransformPush& push, Normals writeNormals,
                          const Specialization& exact, const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals,
                          const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::ScreenVertex>& screen,
-                         const Buffer<glm::vec4>& carried, const LongBuffers& longer);
+                         const Buffer<glm::vec4>& attributes, const LongBuffers& longer);
 
 }  // namespace plumb

@@ -7,7 +7,7 @@ namespace plumb {
 
 void transformCpu(const gpu::TransformPush& push, Normals writeNormals, std::span<const glm::vec4> positions,
                   std::span<const glm::vec4> normals, std::span<const gpu::ObjectRecord> objects, std::span<gpu::ScreenVertex> screen,
-                  std::span<glm::vec4> carried, uint32_t threads, const LongTransform& longer) {
+                  std::span<glm::vec4> attributes, uint32_t threads, const LongTransform& longer) {
     const gpu::ObjectRecord& o = objects[push.object];
     parallelBands(push.vertexCount, 4096, threads, [&](uint64_t begin, uint64_t end) {
         for (uint64_t i = push.firstVertex + begin; i < push.firstVertex + end; ++i) {
@@ -21,8 +21,8 @@ void transformCpu(const gpu::TransformPush& push, Normals writeNormals, std::spa
             screen[i] = gpu::project(clip.x, clip.y, clip.z, push.viewport);
             if (writeNormals == Normals::none) continue;
             const glm::vec3 n(normals[i]);
-            carried[i] = {gpu::rowTimesVector(o.normal0, n), gpu::rowTimesVector(o.normal1, n), gpu::rowTimesVector(o.normal2, n), 0.0f};
-            if (writeNormals == Normals::unit) gpu::unitVector(carried[i].x, carried[i].y, carried[i].z);
+            attributes[i] = {gpu::rowTimesVector(o.normal0, n), gpu::rowTimesVector(o.normal1, n), gpu::rowTimesVector(o.normal2, n), 0.0f};
+            if (writeNormals == Normals::unit) gpu::unitVector(attributes[i].x, attributes[i].y, attributes[i].z);
         }
     });
 }

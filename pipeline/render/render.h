@@ -77,7 +77,7 @@ struct RenderCounters {
     uint64_t polygons = 0, normals = 0;  // fill notes: faces met; a normal a face, and one a corner where corners are shaded
     uint64_t chunks = 0, bands = 0, binEntries = 0, edges = 0;
     struct RayCounts {
-        uint64_t primary = 0, reflected = 0, refracted = 0, feelers = 0;
+        uint64_t primary = 0, reflected = 0, refracted = 0, shadowRays = 0;
     };
     std::vector<RayCounts> rays;  // by depth, first the primary rays'; empty unless rays were traced
     uint64_t refinedPixels = 0;   // RayChoices::Sampling::adaptive: pixels whose corners differ

@@ -124,7 +124,7 @@ private:
             differ(fmt::format("primary rays of depth {}", i + 1), a.rays[i].primary, b.rays[i].primary);
             differ(fmt::format("reflected rays of depth {}", i + 1), a.rays[i].reflected, b.rays[i].reflected);
             differ(fmt::format("refracted rays of depth {}", i + 1), a.rays[i].refracted, b.rays[i].refracted);
-            differ(fmt::format("feelers of depth {}", i + 1), a.rays[i].feelers, b.rays[i].feelers);
+            differ(fmt::format("shadow rays of depth {}", i + 1), a.rays[i].shadowRays, b.rays[i].shadowRays);
         }
         differ("refined pixels", a.refinedPixels, b.refinedPixels);
         differ("undecided rays", a.undecidedRays, b.undecidedRays);

@@ -485,7 +485,7 @@ private:
     }
 
     // The share of light `lamp` that reaches the surface.
-    double passed(const Ray& feeler, double end, double endError, uint32_t lamp, double stake) {
+    double passed(const Ray& shadowRay, double end, double endError, uint32_t lamp, double stake) {
         double share = 1;
         bool open = false;
         const auto meet = [&](const Hit& h, double factor) {
@@ -499,26 +499,26 @@ private:
         };
         for (uint32_t i = 0; i < scene_.spheres.size() && share > 0; ++i) {
             const double factor = double(world_.shares(scene_.spheres[i].material).transmit);
-            meet(hitSphere(i, feeler), factor);
+            meet(hitSphere(i, shadowRay), factor);
         }
         for (uint32_t i = 0; i < scene_.planes.size() && share > 0; ++i) {
             if (world_.lightIsAlong(lamp, i)) continue;
-            const Hit h = hitPlane(i, feeler);
+            const Hit h = hitPlane(i, shadowRay);
             const PlaneShape& p = scene_.planes[i];
             const double own = double(world_.shares(p.material).transmit),
                          other = p.square > 0 ? double(world_.shares(p.otherMaterial).transmit) : own;
             Hit plain = h;
-            if (own == other && p.square > 0 && !h.sure && h.counts) plain = withoutBoard(i, feeler);
+            if (own == other && p.square > 0 && !h.sure && h.counts) plain = withoutBoard(i, shadowRay);
             meet(plain, plain.other ? other : own);
         }
         if (share > 0 && world_.facets() != 0) {
-            const glm::dvec3 o = rounded(feeler.origin), d = rounded(feeler.direction);
+            const glm::dvec3 o = rounded(shadowRay.origin), d = rounded(shadowRay.direction);
             world_.eachNear(
-                o, d, padOf(feeler, o), [&] { return share > 0 ? end + endError : -1.0; },
+                o, d, padOf(shadowRay, o), [&] { return share > 0 ? end + endError : -1.0; },
                 [&](uint32_t i) {
                     if (share == 0 || world_.lightLiesOn(lamp, i)) return;
                     const double transmit = double(world_.shares(world_.materialOfFacet(i)).transmit);
-                    const Hit h = hitFacet(i, feeler);
+                    const Hit h = hitFacet(i, shadowRay);
                     if (h.counts || !h.sure) meet(h, transmit == 0 || h.leaves ? transmit : 1);
                 });
         }
@@ -575,15 +575,15 @@ private:
             if (!(largest(added) > 0)) continue;
             double share = 1;
             if (scene_.shadows) {
-                Ray feeler;
-                feeler.origin = s.place;
-                feeler.originError = s.leavingError;
-                feeler.direction = l;
-                feeler.directionError = error;
-                feeler.kind = h.kind;
-                feeler.index = h.index;
-                feeler.inside = s.within;
-                share = passed(feeler, distance,
+                Ray shadowRay;
+                shadowRay.origin = s.place;
+                shadowRay.originError = s.leavingError;
+                shadowRay.direction = l;
+                shadowRay.directionError = error;
+                shadowRay.kind = h.kind;
+                shadowRay.index = h.index;
+                shadowRay.inside = s.within;
+                share = passed(shadowRay, distance,
                                light.directional ? 0 : s.placeError + 8 * kUnit * (distance + glm::length(light.position)), i, stake);
             }
             colour += share * added;

@@ -96,9 +96,9 @@ SHARED_FN ClipVertex intersect(int plane, ClipVertex inside, ClipVertex outside,
     r.x = inside.x + t * (outside.x - inside.x);
     r.y = inside.y + t * (outside.y - inside.y);
     r.w = inside.w + t * (outside.w - inside.w);
-    r.carried.x = inside.carried.x + t * (outside.carried.x - inside.carried.x);
-    r.carried.y = inside.carried.y + t * (outside.carried.y - inside.carried.y);
-    r.carried.z = inside.carried.z + t * (outside.carried.z - inside.carried.z);
+    r.attributes.x = inside.attributes.x + t * (outside.attributes.x - inside.attributes.x);
+    r.attributes.y = inside.attributes.y + t * (outside.attributes.y - inside.attributes.y);
+    r.attributes.z = inside.attributes.z + t * (outside.attributes.z - inside.attributes.z);
     // The clipped coordinate is assigned, not computed.
     if (plane == kPlaneNear) r.w = v.near;
     if (plane == kPlaneLeft) r.x = -(v.guardX * r.w);

@@ -20,7 +20,7 @@ SHARED_FN uint mixed(uint x) {
 }
 SHARED_FN uint keyOfSample(uint column, uint row, uint seed) { return mixed(column + mixed(row + mixed(seed))); }
 // Key of the first shadow ray among the children of a hit: 1 the mirrored ray, 2 the refracted ray, 3 + i the shadow ray to light i.
-SHARED_CONST uint kFirstFeelerKey = 3u;
+SHARED_CONST uint kFirstShadowKey = 3u;
 SHARED_FN uint keyOfChild(uint key, uint which) { return mixed(key ^ (which * 2654435769u)); }
 
 // Noise of 24 bits, exact: unitNoise() in [0, 1), signedNoise() in [-1, 1).

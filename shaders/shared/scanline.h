@@ -27,9 +27,9 @@ SHARED_CONST uint kNoPolygon = 0xffffffffu;
 SHARED_CONST float kScanFarthest = 3.0e38f;  // beyond every Z
 
 struct ScanCorner {
-    int x, y;      // display, whole pixels
-    float z;       // Zps: grows with the distance
-    vec3 carried;  // linear colour, or normal
+    int x, y;         // display, whole pixels
+    float z;          // Zps: grows with the distance
+    vec3 attributes;  // linear colour, or normal
 };
 
 // X of an edge is column + rest / height, 0 <= rest < height.
@@ -58,7 +58,7 @@ struct ScanWalk {
 
 struct ScanValues {
     float z;
-    vec3 carried;
+    vec3 attributes;
 };
 
 // Values along an edge: `from` on the line of its farther corner, `step` more a line, `to` at its nearer corner.
@@ -112,31 +112,31 @@ SHARED_FN float scanAlong(float base, float steps, float step) {
 SHARED_FN ScanValues scanMoved(ScanValues from, float steps, ScanValues step) {
     ScanValues v;
     v.z = scanAlong(from.z, steps, step.z);
-    v.carried.x = scanAlong(from.carried.x, steps, step.carried.x);
-    v.carried.y = scanAlong(from.carried.y, steps, step.carried.y);
-    v.carried.z = scanAlong(from.carried.z, steps, step.carried.z);
+    v.attributes.x = scanAlong(from.attributes.x, steps, step.attributes.x);
+    v.attributes.y = scanAlong(from.attributes.y, steps, step.attributes.y);
+    v.attributes.z = scanAlong(from.attributes.z, steps, step.attributes.z);
     return v;
 }
 SHARED_FN ScanValues scanStep(ScanValues from, ScanValues to, float steps) {
     ScanValues d;
     d.z = scanQuotient(to.z - from.z, steps);
-    d.carried.x = scanQuotient(to.carried.x - from.carried.x, steps);
-    d.carried.y = scanQuotient(to.carried.y - from.carried.y, steps);
-    d.carried.z = scanQuotient(to.carried.z - from.carried.z, steps);
+    d.attributes.x = scanQuotient(to.attributes.x - from.attributes.x, steps);
+    d.attributes.y = scanQuotient(to.attributes.y - from.attributes.y, steps);
+    d.attributes.z = scanQuotient(to.attributes.z - from.attributes.z, steps);
     return d;
 }
 SHARED_FN ScanValues scanChosen(bool first, ScanValues a, ScanValues b) {
     ScanValues v;
     v.z = pick(first, a.z, b.z);
-    v.carried.x = pick(first, a.carried.x, b.carried.x);
-    v.carried.y = pick(first, a.carried.y, b.carried.y);
-    v.carried.z = pick(first, a.carried.z, b.carried.z);
+    v.attributes.x = pick(first, a.attributes.x, b.attributes.x);
+    v.attributes.y = pick(first, a.attributes.y, b.attributes.y);
+    v.attributes.z = pick(first, a.attributes.z, b.attributes.z);
     return v;
 }
 SHARED_FN ScanValues scanAtCorner(ScanCorner c) {
     ScanValues v;
     v.z = c.z;
-    v.carried = c.carried;
+    v.attributes = c.attributes;
     return v;
 }
 

@@ -44,7 +44,7 @@ SHARED_CONST int kTraceMaterialTexels = 4;
 SHARED_CONST uint kCountPrimary = 0u;
 SHARED_CONST uint kCountReflected = 1u;
 SHARED_CONST uint kCountRefracted = 2u;
-SHARED_CONST uint kCountFeelers = 3u;
+SHARED_CONST uint kCountShadowRays = 3u;
 SHARED_CONST uint kCountKinds = 4u;
 SHARED_CONST uint kCountUndecided = 256u;   // rays parallel to a plane within rounding
 SHARED_CONST uint kCountUnfinished = 257u;  // samples with waiting rays (list form)
@@ -111,13 +111,13 @@ SHARED_FN Children childrenOf(vec3 d, vec3 n, bool inside, float mirrorShare, fl
 
 // Shadow ray from q to a light: direction and length. Nothing at or behind the light casts a shadow. So the length is shortened by 16 u,
 // the error of both lengths that are compared.
-struct Feeler {
+struct ShadowRay {
     vec3 direction;
     float reach;
 };
-SHARED_FN Feeler feelerTo(vec4 place, vec3 q) {
+SHARED_FN ShadowRay shadowRayTo(vec4 place, vec3 q) {
     vec3 toward = vec3(place.x, place.y, place.z);
-    Feeler f;
+    ShadowRay f;
     f.direction = toward;
     f.reach = kFarthestHit;
     if (place.w != 0.0f) {

@@ -22,7 +22,7 @@ struct Viewport {
 
 struct ClipVertex {
     float x, y, w;
-    vec3 carried;  // world normal (Phong) or linear colour (Gouraud)
+    vec3 attributes;  // world normal (Phong) or linear colour (Gouraud)
 };
 
 struct ScreenVertex {

@@ -102,7 +102,7 @@ TEST(GoldenFill, Polygon0CarriesIntensitiesAndNormalsAsIn17) {
         std::vector<gpu::ScanCorner> polygon;
         for (size_t i = 0; i < display.size(); ++i) {
             polygon.push_back(cornerOf(display[i]));
-            polygon.back().carried =
+            polygon.back().attributes =
                 phong ? glm::vec3(vectorOf<glm::dvec3>(normals[i]))
                       : glm::vec3(float(lights[i][0].get<double>()), float(lights[i][1].get<double>()), float(lights[i][2].get<double>()));
         }
@@ -118,7 +118,7 @@ TEST(GoldenFill, Polygon0CarriesIntensitiesAndNormalsAsIn17) {
             for (const Json& pixel : row["pixels"]) {
                 const size_t at = size_t(y) * 400 + columns.at(pixel[0].get<size_t>());
                 EXPECT_TRUE(within(f.canvas.z[at], pixel[2])) << pixel << f.canvas.z[at];
-                const glm::vec3 c = f.canvas.carried[at];
+                const glm::vec3 c = f.canvas.attributes[at];
                 if (!phong) {
                     EXPECT_TRUE(within(c.x + c.y + c.z, pixel[3])) << pixel;
                 }

@@ -109,14 +109,14 @@ TEST(RayPictures, OneRayAPixelHasNoValueBetweenTwoSurfaces) {
     EXPECT_LE(between, int(8 * radius) + 8);
 }
 
-// Row 83: the pattern asks no tree, costs no feeler, and darkens as much of the ground to the same colour.
-TEST(RayPictures, FakedShadowsLookLikeShadowsAndSendNoFeeler) {
+// Row 83: the pattern asks no tree, costs no shadow ray, and darkens as much of the ground to the same colour.
+TEST(RayPictures, FakedShadowsLookLikeShadowsAndSendNoShadowRay) {
     constexpr glm::uvec2 kSize{160, 120};
     const Scene faked = sceneOf("gallery/faked-shadows.toml", kSize), real = sceneOf("gallery/true-shadows.toml", kSize);
     const RenderResult fake = renderCpu(faked, requestOf(faked, kSize, Shading::phong)), traced = renderCpu(real, requestOf(real, kSize));
     EXPECT_TRUE(fake.counters.rays.empty());
     ASSERT_FALSE(traced.counters.rays.empty());
-    EXPECT_GT(traced.counters.rays[0].feelers, 1000u);
+    EXPECT_GT(traced.counters.rays[0].shadowRays, 1000u);
     const uint32_t ground = objectNamed(real, "ground"), lightGround = objectNamed(faked, "ground"),
                    darkGround = objectNamed(faked, "pattern");
     std::set<uint32_t> colours;
@@ -129,12 +129,12 @@ TEST(RayPictures, FakedShadowsLookLikeShadowsAndSendNoFeeler) {
     }
     ASSERT_EQ(colours.size(), 2u) << "a directional light on flat ground: lit, or in shadow";
     const uint32_t shadow = codesOf(*colours.begin()).r < codesOf(*colours.rbegin()).r ? *colours.begin() : *colours.rbegin();
-    EXPECT_EQ(darkest, shadow) << "the faked shade is what a blocked feeler leaves";
+    EXPECT_EQ(darkest, shadow) << "the faked shade is what a blocked shadow ray leaves";
     for (size_t i = 0; i < traced.frame.rgba.size(); ++i)
         if (traced.frame.object[i] == ground) ++(traced.frame.rgba[i] == shadow ? dark : light);
     const double share = double(dark) / (dark + light), faked01 = double(darkFake) / (darkFake + lightFake);
-    std::printf("in shade: %.3f of the ground by feelers, %.3f faked; %llu feelers\n", share, faked01,
-                static_cast<unsigned long long>(traced.counters.rays[0].feelers));
+    std::printf("in shade: %.3f of the ground by shadow rays, %.3f faked; %llu shadow rays\n", share, faked01,
+                static_cast<unsigned long long>(traced.counters.rays[0].shadowRays));
     EXPECT_GT(share, 0.2);
     EXPECT_LT(share, 0.8);
     EXPECT_NEAR(faked01, share, 0.1);

@@ -49,7 +49,7 @@ struct Drawn {
     SubpixelTriangle place;
     double z[3];
     uint32_t source;
-    const uint32_t* vertex;  // of the triangle's corners in screen and carried
+    const uint32_t* vertex;  // of the triangle's corners in screen and attributes
 };
 
 // What the picture must consist of: triangles inside every plane straight from the scene's list, clipped ones as the fan left them.
@@ -406,7 +406,7 @@ using Vector = glm::vec<3, Real80>;
 
 Real80 lengthOf(const Vector& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
-// Error of the interpolated normal's direction, over kappa = sum f w |n| / |sum f w n|: a carried component has 4 u of its row, then
+// Error of the interpolated normal's direction, over kappa = sum f w |n| / |sum f w n|: a component of an attribute has 4 u of its row, then
 // edge value 2 u, weight and products 2 u, two additions 2 u: 10 u a component, sqrt(3) for the vector.
 constexpr double kNormalError = 10 * kUnit * 1.7320508;
 // Length of a vector that unitVector left: squares and sums 3 u (half of it in the root), root 4 u, product 1 u.
@@ -435,7 +435,7 @@ void expectShading(const Picture& p, const std::string& name, ShadingVerdict& v)
     for (size_t at = 0; at < p.frame.triangle.size(); ++at) {
         const uint32_t t = p.frame.triangle[at];
         if (t == kNone || of[t].size() != 1 || list.triangles[t].x != of[t][0]->vertex[0])
-            continue;  // corners that clipping made carry no normal of the file
+            continue;  // corners that clipping made have no normal of the file
         const int x = int(at % size_t(p.width())), y = int(at / size_t(p.width()));
         const Drawn& d = *of[t][0];
         const AtPixel a = exactly(d, x, y);

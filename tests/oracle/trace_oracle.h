@@ -15,10 +15,10 @@ namespace plumb::test {
 
 struct OracleSeen {
     glm::dvec3 colour{0};
-    uint64_t path = 1469598103934665603ull;  // hash of every decision on the way: objects, sides, squares, feelers
+    uint64_t path = 1469598103934665603ull;  // hash of every decision on the way: objects, sides, squares, shadow rays
     int object = -1;                         // of the primary ray
     double distance = 0;
-    uint64_t rays = 0, feelers = 0;
+    uint64_t rays = 0, shadowRays = 0;
 };
 
 class TraceOracle {
@@ -109,7 +109,7 @@ private:
                 const double nl = glm::dot(n, l);
                 note(seen, nl > 0);
                 if (nl <= 0) continue;
-                ++seen.feelers;
+                ++seen.shadowRays;
                 double passed = 1;
                 if (scene_.shadows)
                     nearest(p, l, light.directional ? 1e18 : glm::length(toward), [&](const Hit& h) {

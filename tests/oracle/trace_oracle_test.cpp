@@ -262,15 +262,15 @@ TEST(TraceStress, TotalReflectionIsContinuous) {
                 const vec3 d = gpu::unitLength({float(std::sin(angle)), -float(std::cos(angle)), 0});
                 const gpu::Children c = gpu::childrenOf(d, {0, 1, 0}, inside, 0, 1, float(index), float(1 / index), 1, 1, 5, 0);
                 // What carries the weight: refracted along the surface, then mirrored by at most what the angle allows.
-                const vec3 carried = c.pass ? c.passDirection : c.mirrorDirection;
-                ASSERT_TRUE(std::isfinite(carried.x) && std::isfinite(carried.y) && std::isfinite(carried.z));
+                const vec3 attributes = c.pass ? c.passDirection : c.mirrorDirection;
+                ASSERT_TRUE(std::isfinite(attributes.x) && std::isfinite(attributes.y) && std::isfinite(attributes.z));
                 EXPECT_NE(c.pass, c.mirror);
-                if (c.pass && before != vec3(0)) largest = std::max(largest, double(glm::length(carried - before)));
-                before = c.pass ? carried : vec3(0);
+                if (c.pass && before != vec3(0)) largest = std::max(largest, double(glm::length(attributes - before)));
+                before = c.pass ? attributes : vec3(0);
                 // Refraction in place of total reflection, or the reverse, costs at most the square root of the radicand's rounding
                 // (docs/derivations.md#total-reflection).
                 if (c.pass) {
-                    EXPECT_LE(std::abs(double(carried.y)), std::sqrt(2 * ratio * ratio * (std::abs(i) * 1e-8 + 8 * kU)) * 2);
+                    EXPECT_LE(std::abs(double(attributes.y)), std::sqrt(2 * ratio * ratio * (std::abs(i) * 1e-8 + 8 * kU)) * 2);
                 }
             }
         }

@@ -27,12 +27,13 @@ TEST_P(CullTwin, LeavesTheSameRecordsDrawsAndCorners) {
             f.frame.upload(f.p.list);
             f.frame.transformAndCull(false);
             expectSame<gpu::ScreenVertex>("transform: vertex", std::span(f.twin.screen).first(vertices), f.frame.screen().first(vertices));
-            expectSame<glm::vec4>("carried by vertex", std::span(f.twin.carried).first(vertices), f.frame.carried().first(vertices));
+            expectSame<glm::vec4>("attributes of vertex", std::span(f.twin.attributes).first(vertices),
+                                  f.frame.attributes().first(vertices));
             expectSame<gpu::CullRecord>("cull: 32 triangles", f.twin.records, f.frame.records().first(f.twin.records.size()));
             f.setup();
             expectSame<gpu::DrawTriangle>("setup: drawn triangle", f.twin.draws, f.frame.draws().first(f.twin.draws.size()));
             std::vector<gpu::ScreenVertex> want, got;
-            std::vector<glm::vec4> wantCarried, gotCarried;
+            std::vector<glm::vec4> wantAttributes, gotAttributes;
             size_t drawn = 0;
             for (const gpu::DrawTriangle& d : f.twin.draws) {
                 if (d.vertex[0] == d.vertex[1]) continue;
@@ -41,12 +42,12 @@ TEST_P(CullTwin, LeavesTheSameRecordsDrawsAndCorners) {
                     if (v >= vertices) {
                         want.push_back(f.twin.screen[v]);
                         got.push_back(f.frame.screen()[v]);
-                        wantCarried.push_back(f.twin.carried[v]);
-                        gotCarried.push_back(f.frame.carried()[v]);
+                        wantAttributes.push_back(f.twin.attributes[v]);
+                        gotAttributes.push_back(f.frame.attributes()[v]);
                     }
             }
             expectSame<gpu::ScreenVertex>("clip: corner", want, got);
-            expectSame<glm::vec4>("clip: carried by corner", wantCarried, gotCarried);
+            expectSame<glm::vec4>("clip: attributes of corner", wantAttributes, gotAttributes);
             EXPECT_EQ(drawn, f.frame.places().drawn + f.frame.clippedDrawn()) << "the counters of drawn triangles";
             EXPECT_GT(drawn, 0u) << "nothing is drawn: this row shows nothing";
         }

@@ -40,7 +40,7 @@ void compareFill(Device& device, const SceneCase& row, const Scene& scene, Shadi
         for (size_t i = 0; i < pixels; ++i)
             if (!draw[i]) std::copy_n(&f.p.backgroundLinear[0], 3, &linear[3 * i]);
         shadeCpu(band, f.p.list, f.p.choices, f.twin.draws, f.twin.screen,
-                 f.p.choices.shading == gpu::kShadingFlat ? f.twin.faceColours : f.twin.carried, z, draw, linear, {}, 1);
+                 f.p.choices.shading == gpu::kShadingFlat ? f.twin.faceColours : f.twin.attributes, z, draw, linear, {}, 1);
         std::vector<int> gotZ(pixels);
         std::vector<uint32_t> gotTriangle(pixels), gotColour(pixels);
         std::vector<float> gotLinear(3 * pixels);

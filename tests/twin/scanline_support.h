@@ -31,8 +31,8 @@ inline ScanCanvas sameOnBothSides(const ScanList& list, std::vector<gpu::ScanSpa
         const auto place = [&](size_t i) { return fmt::format("pixel ({}, {})", i % size_t(list.width), i / size_t(list.width)); };
         expectSame<float>("scanpaint: Z", want.z, got.z, place);
         expectSame<uint32_t>("scanpaint: polygon", want.owner, got.owner, place);
-        expectSame<float>("scanpaint: carried", std::span<const float>(&want.carried[0].x, 3 * want.carried.size()),
-                          std::span<const float>(&got.carried[0].x, 3 * got.carried.size()));
+        expectSame<float>("scanpaint: attributes", std::span<const float>(&want.attributes[0].x, 3 * want.attributes.size()),
+                          std::span<const float>(&got.attributes[0].x, 3 * got.attributes.size()));
     }
     expectNoValidationMessages(device);
     return want;

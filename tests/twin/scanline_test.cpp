@@ -94,13 +94,13 @@ TEST_F(ScanlineTwin, AnEmptyListLeavesAnEmptyCanvas) {
 TEST(ScanlineRules, EqualZKeepsTheFirstAndOrderOfDifferentZDoesNotMatter) {
     const std::vector<gpu::ScanCorner> far = {{0, 0, 5, {1, 0, 0}}, {9, 0, 5, {1, 0, 0}}, {9, 9, 5, {1, 0, 0}}, {0, 9, 5, {1, 0, 0}}};
     std::vector<gpu::ScanCorner> same = far, near = far;
-    for (gpu::ScanCorner& c : same) c.carried = {2, 0, 0};
-    for (gpu::ScanCorner& c : near) c.z = 4, c.carried = {3, 0, 0};
+    for (gpu::ScanCorner& c : same) c.attributes = {2, 0, 0};
+    for (gpu::ScanCorner& c : near) c.z = 4, c.attributes = {3, 0, 0};
     const auto drawn = [](std::initializer_list<const std::vector<gpu::ScanCorner>*> order) {
         ScanList list;
         list.width = list.height = 10;
         for (const auto* polygon : order) EXPECT_TRUE(list.add(*polygon));
-        return scanlineCpu(list).carried;
+        return scanlineCpu(list).attributes;
     };
     EXPECT_EQ(drawn({&far, &same})[55].x, 1);
     EXPECT_EQ(drawn({&same, &far})[55].x, 2);
@@ -110,14 +110,14 @@ TEST(ScanlineRules, EqualZKeepsTheFirstAndOrderOfDifferentZDoesNotMatter) {
 TEST(ScanlineRules, WithoutAZBufferTheLastPolygonIsSeen) {
     const std::vector<gpu::ScanCorner> near = {{0, 0, 4, {1, 0, 0}}, {9, 0, 4, {1, 0, 0}}, {9, 9, 4, {1, 0, 0}}, {0, 9, 4, {1, 0, 0}}};
     std::vector<gpu::ScanCorner> far = near;
-    for (gpu::ScanCorner& c : far) c.z = 5, c.carried = {2, 0, 0};
+    for (gpu::ScanCorner& c : far) c.z = 5, c.attributes = {2, 0, 0};
     ScanList list;
     list.width = list.height = 10;
     list.zBuffer = false;
     EXPECT_TRUE(list.add(near));
     EXPECT_TRUE(list.add(far));
     const ScanCanvas canvas = scanlineCpu(list);
-    EXPECT_EQ(canvas.carried[55].x, 2);
+    EXPECT_EQ(canvas.attributes[55].x, 2);
     EXPECT_EQ(canvas.z[55], 5);
 }
 
@@ -289,7 +289,7 @@ TEST(ScanlineRules, AWindowHasTheBytesOfTheWholePicture) {
                 const size_t at = size_t(y * part.width + x), there = size_t((y + top) * kWidth + x + left);
                 ASSERT_EQ(window.owner[at], all.owner[there]) << x << ' ' << y;
                 ASSERT_EQ(window.z[at], all.z[there]);
-                ASSERT_EQ(window.carried[at], all.carried[there]);
+                ASSERT_EQ(window.attributes[at], all.attributes[there]);
             }
     }
 }

@@ -44,7 +44,7 @@ void expectSameCounts(const RenderCounters& twin, const RenderCounters& device) 
         EXPECT_EQ(twin.rays[i].primary, device.rays[i].primary) << "depth " << i + 1;
         EXPECT_EQ(twin.rays[i].reflected, device.rays[i].reflected) << "depth " << i + 1;
         EXPECT_EQ(twin.rays[i].refracted, device.rays[i].refracted) << "depth " << i + 1;
-        EXPECT_EQ(twin.rays[i].feelers, device.rays[i].feelers) << "depth " << i + 1;
+        EXPECT_EQ(twin.rays[i].shadowRays, device.rays[i].shadowRays) << "depth " << i + 1;
     }
     EXPECT_EQ(twin.undecidedRays, device.undecidedRays);
 }

@@ -68,29 +68,29 @@ TEST_P(TransformTwin, LeavesTheSameBytes) {
     size_t visible = 0, cut = 0;
     for (uint32_t object = 0; object < objects.size(); ++object) {
         const gpu::TransformPush push{0, row.first, row.count, object, list.viewport};
-        // Rows that carry normals carry them both ways, in turn.
-        const Normals carriedNormals = !row.normals ? Normals::none : object == 0 ? Normals::direction : Normals::unit;
+        // Rows with normals write them both ways, in turn.
+        const Normals writtenNormals = !row.normals ? Normals::none : object == 0 ? Normals::direction : Normals::unit;
         std::vector<gpu::ScreenVertex> screen(total);
-        std::vector<glm::vec4> carried(total);
-        transformCpu(push, carriedNormals, positions, normals, objects, screen, carried, 1);
+        std::vector<glm::vec4> attributes(total);
+        transformCpu(push, writtenNormals, positions, normals, objects, screen, attributes, 1);
         for (const gpu::ScreenVertex& s : std::span(screen).subspan(row.first)) ++(s.outcode == 0 ? visible : cut);
         for (const Specialization& exact : exactForms(device())) {
             Recorder recorder(device());
             auto p = bufferOf(device(), positions), n = bufferOf(device(), normals);
             auto o = bufferOf(device(), objects);
             Buffer<gpu::ScreenVertex> gotScreen(device(), total + kSentinels, "screen");
-            Buffer<glm::vec4> gotCarried(device(), total + kSentinels, "carried");
+            Buffer<glm::vec4> gotAttributes(device(), total + kSentinels, "attributes");
             gotScreen.fill(kSentinel);
-            gotCarried.fill(kSentinel);
-            recordTransform(recorder, push, carriedNormals, exact, p, n, o, gotScreen, gotCarried);
+            gotAttributes.fill(kSentinel);
+            recordTransform(recorder, push, writtenNormals, exact, p, n, o, gotScreen, gotAttributes);
             recorder.run(kWatchdogMs);
             expectSame<gpu::ScreenVertex>("transform: vertex", std::span(screen).subspan(row.first),
                                           gotScreen.span().subspan(row.first, row.count));
             if (row.normals)
-                expectSame<glm::vec4>("transform: normal", std::span(carried).subspan(row.first),
-                                      gotCarried.span().subspan(row.first, row.count));
+                expectSame<glm::vec4>("transform: normal", std::span(attributes).subspan(row.first),
+                                      gotAttributes.span().subspan(row.first, row.count));
             expectSentinels("transform: vertices", gotScreen, total);
-            expectSentinels("transform: normals", gotCarried, row.normals ? total : 0);
+            expectSentinels("transform: normals", gotAttributes, row.normals ? total : 0);
         }
     }
     EXPECT_GT(visible, 0u);
@@ -121,10 +121,10 @@ TEST_P(TransformTwin, LeavesTheSameBytesInLongNumbers) {
         size_t visible = 0;
         for (uint32_t object = 0; object < objects.size(); ++object) {
             const gpu::TransformPush push{0, row.first, row.count, object, list.viewport};
-            const Normals carriedNormals = row.normals ? Normals::direction : Normals::none;
+            const Normals writtenNormals = row.normals ? Normals::direction : Normals::none;
             std::vector<gpu::ScreenVertex> screen(total);
-            std::vector<glm::vec4> carried(total), clip(total);
-            transformCpu(push, carriedNormals, positions, normals, objects, screen, carried, 1, {numbers, longs, clip});
+            std::vector<glm::vec4> attributes(total), clip(total);
+            transformCpu(push, writtenNormals, positions, normals, objects, screen, attributes, 1, {numbers, longs, clip});
             for (const gpu::ScreenVertex& s : std::span(screen).subspan(row.first)) visible += s.outcode == 0;
             for (const Specialization& exact : exactForms(device())) {
                 Recorder recorder(device());
@@ -132,22 +132,23 @@ TEST_P(TransformTwin, LeavesTheSameBytesInLongNumbers) {
                 auto o = bufferOf(device(), objects);
                 auto l = bufferOf(device(), longs);
                 Buffer<gpu::ScreenVertex> gotScreen(device(), total + kSentinels, "screen");
-                Buffer<glm::vec4> gotCarried(device(), total + kSentinels, "carried"), gotClip(device(), total + kSentinels, "clip");
+                Buffer<glm::vec4> gotAttributes(device(), total + kSentinels, "attributes"), gotClip(device(), total + kSentinels, "clip");
                 gotScreen.fill(kSentinel);
-                gotCarried.fill(kSentinel);
+                gotAttributes.fill(kSentinel);
                 gotClip.fill(kSentinel);
-                recordLongTransform(recorder, device(), push, carriedNormals, exact, p, n, o, gotScreen, gotCarried, {numbers, l, gotClip});
+                recordLongTransform(recorder, device(), push, writtenNormals, exact, p, n, o, gotScreen, gotAttributes,
+                                    {numbers, l, gotClip});
                 recorder.run(kWatchdogMs);
                 expectSame<gpu::ScreenVertex>("transform: vertex", std::span(screen).subspan(row.first),
                                               gotScreen.span().subspan(row.first, row.count));
                 expectSame<glm::vec4>("transform: clip space", std::span(clip).subspan(row.first),
                                       gotClip.span().subspan(row.first, row.count));
                 if (row.normals)
-                    expectSame<glm::vec4>("transform: normal", std::span(carried).subspan(row.first),
-                                          gotCarried.span().subspan(row.first, row.count));
+                    expectSame<glm::vec4>("transform: normal", std::span(attributes).subspan(row.first),
+                                          gotAttributes.span().subspan(row.first, row.count));
                 expectSentinels("transform: vertices", gotScreen, total);
                 expectSentinels("transform: clip space", gotClip, total);
-                expectSentinels("transform: normals", gotCarried, row.normals ? total : 0);
+                expectSentinels("transform: normals", gotAttributes, row.normals ? total : 0);
             }
         }
         EXPECT_TRUE(visible > 0 || row.count == 1);

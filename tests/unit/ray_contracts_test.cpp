@@ -312,11 +312,11 @@ TEST(Children, AreFollowedWhileTheyAreNeitherTooDeepNorTooLight) {
     EXPECT_FALSE(childrenAt({1, -1, 0}, false, 0.25f, 0.5f, 1, 0.251f).pass);
 }
 
-TEST(Feeler, ReachesAPointLightAndNoFurther) {
-    const Feeler sun = feelerTo({0, 1, 0, 0}, {5, 5, 5});
+TEST(ShadowRay, ReachesAPointLightAndNoFurther) {
+    const ShadowRay sun = shadowRayTo({0, 1, 0, 0}, {5, 5, 5});
     EXPECT_EQ(sun.direction, vec3(0, 1, 0));
     EXPECT_EQ(sun.reach, kFarthestHit);
-    const Feeler lamp = feelerTo({5, 9, 5, 1}, {5, 5, 5});
+    const ShadowRay lamp = shadowRayTo({5, 9, 5, 1}, {5, 5, 5});
     EXPECT_NEAR(lamp.direction.y, 1, 16 * kUlp);
     EXPECT_LT(lamp.reach, 4.0f);
     EXPECT_GT(lamp.reach, 4 * (1 - 40 * kUlp));

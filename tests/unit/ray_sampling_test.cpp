@@ -200,8 +200,8 @@ TEST(Sampling, VarianceOfReflectionsRisesWithTheNoise) {
     }
 }
 
-// A ball above a floor, light from above: with plain feelers a sample is lit or not; with noise pixels lie between.
-TEST(Sampling, JitteredFeelersMakeAPenumbra) {
+// A ball above a floor, light from above: with plain shadow rays a sample is lit or not; with noise pixels lie between.
+TEST(Sampling, JitteredShadowRaysMakeAPenumbra) {
     Scene scene = rayScene();
     scene.lights.resize(1);
     scene.ambient = glm::vec3(0);

@@ -89,10 +89,10 @@ public:
         const DrawList& list = p_.list;
         const bool gouraud = p_.choices.shading == gpu::kShadingGouraud;
         z_.resize(g_.screen.size());
-        carried_.resize(g_.screen.size());
+        attributes_.resize(g_.screen.size());
         for (size_t i = 0; i < g_.screen.size(); ++i) {  // clipped corners stay as they are: where an edge was cut is a decision
             z_[i] = double(g_.screen[i].z);
-            carried_[i] = dvec3(g_.carried[i]);
+            attributes_[i] = dvec3(g_.attributes[i]);
         }
         faces_.resize(list.facePositions.size());
         for (const DrawList::Range& r : list.ranges) {
@@ -101,8 +101,9 @@ public:
                 const double w = list.numbers == Numbers::fp32 ? alongRow(o.rowW, list.positions[v]) + double(o.rowW.w)
                                                                : alongLongRow(list.longs[r.record].w, list.positions[v]);
                 if (g_.screen[v].outcode == 0) z_[v] = double(list.viewport.near) / w;
-                carried_[v] = gouraud ? lit(o, list.positions[v], list.normals[v], list.vertexMaterial[v]) : normalOf(o, list.normals[v]);
-                if (!gouraud && !p_.choices.unitNormals) carried_[v] *= reread::reciprocalRoot(glm::dot(carried_[v], carried_[v]));
+                attributes_[v] =
+                    gouraud ? lit(o, list.positions[v], list.normals[v], list.vertexMaterial[v]) : normalOf(o, list.normals[v]);
+                if (!gouraud && !p_.choices.unitNormals) attributes_[v] *= reread::reciprocalRoot(glm::dot(attributes_[v], attributes_[v]));
             }
             if (p_.choices.shading == gpu::kShadingFlat)
                 for (uint32_t f = r.firstFace; f < r.firstFace + r.faceCount; ++f)
@@ -134,7 +135,7 @@ public:
         dvec3 sum(0), shares(0);
         for (int i = 0; i < 3; ++i) {
             shares[i] = e[i] * (p_.choices.affine ? 1 : z_[d.vertex[i]]);
-            sum += carried_[d.vertex[i]] * shares[i];
+            sum += attributes_[d.vertex[i]] * shares[i];
         }
         const double share = shares.x + shares.y + shares.z;
         sum /= share;
@@ -221,9 +222,9 @@ private:
 
     Prepared p_;
     TwinGeometry g_;
-    std::vector<double> z_;       // n/w of vertices
-    std::vector<dvec3> carried_;  // normals, or colours
-    std::vector<dvec3> faces_;    // colours, flat
+    std::vector<double> z_;          // n/w of vertices
+    std::vector<dvec3> attributes_;  // normals, or colours
+    std::vector<dvec3> faces_;       // colours, flat
 };
 
 }  // namespace

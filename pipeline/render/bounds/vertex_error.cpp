@@ -213,7 +213,7 @@ private:
         return cut ? kCut : 0;
     }
 
-    // The part of a triangle within the view (Sutherland and Hodgman), the errors carried along: a quotient of linear terms is largest at a corner.
+    // The part of a triangle within the view (Sutherland and Hodgman), the errors moved along: a quotient of linear terms is largest at a corner.
     double visible(const std::array<Placed, 3>& corners) const {
         std::vector<Placed> polygon(corners.begin(), corners.end());
         if (const double cut = cutOf(corners); cut > 0) {

@@ -35,7 +35,7 @@ Prepared preparePolygons(const Scene& scene, const RenderRequest& request, RunsO
     if (atPixels) steps.add("illuminate", "illumination at each pixel");
     steps.addColours(it.p.side * it.p.side, RunsOn::host, "");
     it.p.plan.choices.push_back(
-        "fill notes: corners on whole pixels, both ends of a line painted, what is carried interpolated along edges and lines");
+        "fill notes: corners on whole pixels, both ends of a line painted, attributes interpolated along edges and lines");
     return it.finish();
 }
 

@@ -140,16 +140,16 @@ private:
             const std::span<const TriangleMesh::Triangle> own(mesh.triangles.data() + f.firstTriangle, f.triangles);
             const uint32_t material = p_.list.faceMaterial[r.firstFace + f.face];
             size_t point = f.firstPoint;
-            std::vector<std::pair<uint32_t, glm::vec3>> carried;
+            std::vector<std::pair<uint32_t, glm::vec3>> attributes;
             forEachCorner(f.outline, own, [&](uint32_t v) {
                 glm::vec3 value = p_.list.materials[material].diffuse;
                 if (shading == gpu::kShadingFlat) value = glm::vec3(colours[f.firstPoint]);
                 if (shading == gpu::kShadingGouraud) value = glm::vec3(colours[point++]);
                 if (shading == gpu::kShadingPhong) value = worldNormal(record, mesh.normals[v]);
-                carried.emplace_back(v, value);
+                attributes.emplace_back(v, value);
             });
             const auto corner = [&](uint32_t v) {
-                const auto found = std::find_if(carried.begin(), carried.end(), [&](const auto& c) { return c.first == v; });
+                const auto found = std::find_if(attributes.begin(), attributes.end(), [&](const auto& c) { return c.first == v; });
                 return NotesCorner{view_.viewOf(world[v]), found->second};
             };
             const NotesPolygon from{rangeNumber, f.face, r.firstTriangle + f.firstTriangle, material};
@@ -213,7 +213,7 @@ private:
             const size_t i = covered[k];
             const NotesPolygon& from = from_[canvas.owner[i]];
             const DrawList::Range& r = p_.list.ranges[from.range];
-            const dvec3 n(canvas.carried[i]);
+            const dvec3 n(canvas.attributes[i]);
             // Interpolated normals are made unit again (A15); one that vanished on the way is the face's.
             const double length = phong ? std::sqrt(glm::dot(n, n)) : 0;
             normals[k] = length > 0x1p-20 ? glm::vec3(n / length)
@@ -234,7 +234,7 @@ private:
             }
             result_.counters.illuminations += covered.size();
         } else {
-            for (uint32_t i : covered) setColour(linear, i, canvas.carried[i]);
+            for (uint32_t i : covered) setColour(linear, i, canvas.attributes[i]);
         }
         write(canvas, covered, linear, normals);
     }

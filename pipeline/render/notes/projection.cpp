@@ -19,9 +19,9 @@ using glm::dvec3;
 // A corner on the screen before it is rounded.
 struct Projected {
     double x, y, z;
-    dvec3 carried;
+    dvec3 attributes;
 };
-// Sutherland and Hodgman on the screen, where Z and what is carried are linear: +-x or +-y at most the farthest pixel.
+// Sutherland and Hodgman on the screen, where Z and the attributes are linear: +-x or +-y at most the farthest pixel.
 std::vector<Projected> withinReach(std::vector<Projected> polygon) {
     constexpr double kReach = gpu::kScanFarthestPixel;
     for (const auto& [axis, sign] : {std::pair(&Projected::x, 1.0), {&Projected::x, -1.0}, {&Projected::y, 1.0}, {&Projected::y, -1.0}}) {
@@ -34,7 +34,7 @@ std::vector<Projected> withinReach(std::vector<Projected> polygon) {
             const Projected &in = aIsIn ? a : b, &out = aIsIn ? b : a;
             const double t = (sign * kReach - in.*axis) / (out.*axis - in.*axis);
             Projected cut{in.x + (out.x - in.x) * t, in.y + (out.y - in.y) * t, in.z + (out.z - in.z) * t,
-                          in.carried + (out.carried - in.carried) * t};
+                          in.attributes + (out.attributes - in.attributes) * t};
             cut.*axis = sign * kReach;
             kept.push_back(cut);
         }
@@ -82,7 +82,8 @@ std::vector<NotesCorner> NotesProjection::inFront(const std::vector<NotesCorner>
         if ((a.view.z >= near_) == (b.view.z >= near_)) continue;
         const NotesCorner &in = a.view.z >= near_ ? a : b, &out = a.view.z >= near_ ? b : a;
         const double t = (in.view.z - near_) / (in.view.z - out.view.z);
-        NotesCorner cut{in.view + (out.view - in.view) * t, glm::vec3(dvec3(in.carried) + (dvec3(out.carried) - dvec3(in.carried)) * t)};
+        NotesCorner cut{in.view + (out.view - in.view) * t,
+                        glm::vec3(dvec3(in.attributes) + (dvec3(out.attributes) - dvec3(in.attributes)) * t)};
         cut.view.z = near_;
         kept.push_back(cut);
     }
@@ -95,12 +96,12 @@ std::vector<gpu::ScanCorner> NotesProjection::display(const std::vector<NotesCor
     std::vector<Projected> projected;
     for (const NotesCorner& c : inFront(polygon)) {
         const double x = view_.width / 2 + view_.focal * c.view.x / c.view.z, y = view_.height / 2 + view_.focal * c.view.y / c.view.z;
-        projected.push_back({std::clamp(x, -kBeyond, kBeyond), std::clamp(y, -kBeyond, kBeyond), zpsOf(c.view.z), dvec3(c.carried)});
+        projected.push_back({std::clamp(x, -kBeyond, kBeyond), std::clamp(y, -kBeyond, kBeyond), zpsOf(c.view.z), dvec3(c.attributes)});
     }
     std::vector<gpu::ScanCorner> corners;
     for (const Projected& c : withinReach(std::move(projected)))
         corners.push_back(
-            {int(std::nearbyint(c.x)), int(std::nearbyint(c.y)), float(std::max(c.z * zUnit_, -kNearest)), glm::vec3(c.carried)});
+            {int(std::nearbyint(c.x)), int(std::nearbyint(c.y)), float(std::max(c.z * zUnit_, -kNearest)), glm::vec3(c.attributes)});
     return corners;
 }
 

@@ -15,7 +15,7 @@ namespace plumb {
 // A polygon's corner before projection, relative to the eye in scene units: right, down, forward.
 struct NotesCorner {
     glm::dvec3 view;
-    glm::vec3 carried;
+    glm::vec3 attributes;
 };
 
 // True when the polygon turns one way only, and once around: its direction in y changes twice at most.

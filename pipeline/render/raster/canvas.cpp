@@ -176,7 +176,7 @@ void Canvas::recordTiles(Geometry& geometry, const Tiles& binned, std::span<cons
                          gpu::FillPush push, const FillChoices& choices) {
     const FillBuffers buffers{geometry.draws(),
                               geometry.screen(),
-                              choices.shading == gpu::kShadingFlat ? geometry.faceColours() : geometry.carried(),
+                              choices.shading == gpu::kShadingFlat ? geometry.faceColours() : geometry.attributes(),
                               buffer,
                               binned.entries(),
                               geometry.triangleMaterials(),

@@ -43,7 +43,7 @@ private:
     FillChoices colourChoices(uint32_t planes, bool prior) const;
     void drawColours(uint32_t planes, bool prior);
 
-    // Normals of a picture that is not shaded by them: the same triangles carrying normals, before z is written.
+    // Normals of a picture that is not shaded by them: the same triangles with normals as attributes, before z is written.
     void drawNormals(uint32_t planes, bool prior);
 
     void readBand(PlaneWriter& writer, Frame& out, const gpu::FrameBox& band, uint32_t planes);

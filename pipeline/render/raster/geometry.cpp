@@ -36,13 +36,13 @@ void Geometry::upload(const DrawList& chunk) {
     }
     const uint64_t corners = chunk.positions.size() + std::min<uint64_t>(kClipCornersAtFirst, chunk.positions.size() / 8 + 64);
     screen_.reserve(device_, corners, "screen vertices");
-    carried_.reserve(device_, corners, "carried values");
+    attributes_.reserve(device_, corners, "attributes");
     records_.reserve(device_, (chunk.triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane, "cull records");
 }
 
 void Geometry::uploadView(bool objects) {
     const DrawList& chunk = *chunk_;
-    if (objects) carriedNormals_ = false;
+    if (objects) attributesAreNormals_ = false;
     put<gpu::ObjectRecord>(device_, objects_, chunk.objects, "objects");
     if (chunk.numbers != Numbers::fp32) put<gpu::LongRecord>(device_, longs_, chunk.longs, "long rows");
     put<gpu::LightRecord>(device_, lights_, chunk.lights, "lights");
@@ -56,29 +56,29 @@ void Geometry::transformAndCull(bool normals) {
     const FillChoices& choices = prepared_.choices;
     const bool gouraud = choices.shading == gpu::kShadingGouraud && !normals;
     // World normals do not depend on the camera, so they stay from picture to picture of one upload.
-    const bool carryNormals = choices.shading == gpu::kShadingPhong || normals;
-    const bool writeNormals = carryNormals && !carriedNormals_;
+    const bool wantNormals = choices.shading == gpu::kShadingPhong || normals;
+    const bool writeNormals = wantNormals && !attributesAreNormals_;
     for (const DrawList::Range& r : chunk_->ranges) {
         if (r.vertexCount == 0) continue;
         const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, chunk_->viewport};
-        const Normals carry = writeNormals ? normalsCarried(choices, normals) : Normals::none;
+        const Normals written = writeNormals ? normalsOfTransform(choices, normals) : Normals::none;
         if (chunk_->numbers == Numbers::fp32)
-            recordTransform(recorder_, push, carry, {}, positions_, normals_, objects_, screen_, carried_);
+            recordTransform(recorder_, push, written, {}, positions_, normals_, objects_, screen_, attributes_);
         else
-            recordLongTransform(recorder_, device_, push, carry, {}, positions_, normals_, objects_, screen_, carried_,
+            recordLongTransform(recorder_, device_, push, written, {}, positions_, normals_, objects_, screen_, attributes_,
                                 {chunk_->numbers, longs_, clipSpace_});
         const uint32_t lightCount = uint32_t(chunk_->lights.size());
         if (gouraud)
             recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {},
-                             positions_, normals_, vertexMaterial_, objects_, materials_, lights_, carried_);
+                             positions_, normals_, vertexMaterial_, objects_, materials_, lights_, attributes_);
         if (choices.shading == gpu::kShadingFlat && !normals && r.faceCount)
             recordIlluminate(recorder_, {0, r.firstFace, r.faceCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {},
                              facePositions_, faceNormals_, faceMaterial_, objects_, materials_, lights_, faceColours_);
     }
     recordCull(recorder_, {0, uint32_t(chunk_->triangles.size()), chunk_->cullBackFaces, chunk_->frame}, {}, triangles_, screen_, records_);
-    carriedNormals_ = false;
+    attributesAreNormals_ = false;
     recorder_.run(watchdogMs_);
-    carriedNormals_ = carryNormals;
+    attributesAreNormals_ = wantNormals;
 }
 
 void Geometry::place() {
@@ -89,11 +89,11 @@ void Geometry::place() {
     budget_.check("vertices", corners, sizeof(glm::vec4));
     if (corners > screen_.count()) {  // more clipped triangles than usual: keep the transformed vertices
         const std::vector<gpu::ScreenVertex> screen(screen_.span().begin(), screen_.span().end());
-        const std::vector<glm::vec4> carried(carried_.span().begin(), carried_.span().end());
+        const std::vector<glm::vec4> attributes(attributes_.span().begin(), attributes_.span().end());
         screen_.reserve(device_, corners, "screen vertices");
-        carried_.reserve(device_, corners, "carried values");
+        attributes_.reserve(device_, corners, "attributes");
         screen_.upload(screen);
-        carried_.upload(carried);
+        attributes_.upload(attributes);
     }
     draws_.reserve(device_, places_.drawCount, "draw list");
     sources_.reserve(device_, std::max(1u, places_.drawCount), "drawn triangles");
@@ -109,7 +109,7 @@ void Geometry::setUp(const SetupTiles& tiles) {
     put<gpu::ClipJob>(device_, jobs_, places_.jobs, "clip jobs");
     kinds_.reserve(device_, places_.jobs.size(), "clip kinds");
     recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, {}, triangles_,
-               positions_, objects_, jobs_, screen_, carried_, draws_, kinds_, chunk_->numbers == Numbers::fp32 ? nullptr : &clipSpace_);
+               positions_, objects_, jobs_, screen_, attributes_, draws_, kinds_, chunk_->numbers == Numbers::fp32 ? nullptr : &clipSpace_);
     recorder_.run(watchdogMs_);
     for (size_t j = 0; j < places_.jobs.size(); ++j) {
         wide_ |= kinds_.span()[j] & 1;

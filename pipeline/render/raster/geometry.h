@@ -51,7 +51,7 @@ public:
 
     // What a step left, and what the next one reads.
     Buffer<gpu::ScreenVertex>& screen() { return screen_; }
-    Buffer<glm::vec4>& carried() { return carried_; }
+    Buffer<glm::vec4>& attributes() { return attributes_; }
     Buffer<glm::vec4>& faceColours() { return faceColours_; }
     Buffer<gpu::CullRecord>& records() { return records_; }
     Buffer<gpu::DrawTriangle>& draws() { return draws_; }
@@ -70,10 +70,10 @@ private:
     DrawPlaces places_;
     uint64_t clippedDrawn_ = 0;
     bool wide_ = false;
-    bool carriedNormals_ = false;  // carried_ holds the world normals of what was uploaded
+    bool attributesAreNormals_ = false;  // attributes_ holds the world normals of what was uploaded
 
     Buffer<glm::vec4> trianglePlaces_;
-    Buffer<glm::vec4> positions_, normals_, facePositions_, faceNormals_, carried_, faceColours_;
+    Buffer<glm::vec4> positions_, normals_, facePositions_, faceNormals_, attributes_, faceColours_;
     Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, sources_, kinds_;
     Buffer<glm::uvec4> triangles_;
     Buffer<gpu::ObjectRecord> objects_;

@@ -71,7 +71,7 @@ public:
 
     // Buffers for verify: the output of a step, and the input of the next.
     std::span<gpu::ScreenVertex> screen() { return geometry_.screen().span(); }
-    std::span<glm::vec4> carried() { return geometry_.carried().span(); }
+    std::span<glm::vec4> attributes() { return geometry_.attributes().span(); }
     std::span<glm::vec4> faceColours() { return geometry_.faceColours().span(); }
     std::span<gpu::CullRecord> records() { return geometry_.records().span(); }
     std::span<gpu::DrawTriangle> draws() { return geometry_.draws().span(); }

@@ -19,14 +19,14 @@ void copy(const std::vector<T>& from, size_t count, std::span<T> to) {
 
 void handOverCulled(const TwinGeometry& twin, const DrawList& list, GpuFrame& frame) {
     copy(twin.screen, list.positions.size(), frame.screen());
-    copy(twin.carried, list.positions.size(), frame.carried());
+    copy(twin.attributes, list.positions.size(), frame.attributes());
     copy(twin.faceColours, twin.faceColours.size(), frame.faceColours());
     copy(twin.records, twin.records.size(), frame.records());
 }
 
 void handOverSetUp(const TwinGeometry& twin, GpuFrame& frame) {
     copy(twin.screen, twin.screen.size(), frame.screen());
-    copy(twin.carried, twin.carried.size(), frame.carried());
+    copy(twin.attributes, twin.attributes.size(), frame.attributes());
     copy(twin.draws, twin.draws.size(), frame.draws());
 }
 

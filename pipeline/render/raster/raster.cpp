@@ -56,8 +56,8 @@ void planSteps(const RenderRequest& request, RunsOn side, Prepared& p) {
     if (p.list.triangles.empty()) return p.plan.dropped.push_back({"every pass", "nothing to draw"});
     StepList steps(request, p, side);
     addSurfaceSteps(steps, p, true);
-    const char* shades =
-        p.choices.shading == gpu::kShadingPhong ? "illumination at each sample" : "the colour that a triangle carries, at each sample";
+    const char* shades = p.choices.shading == gpu::kShadingPhong ? "illumination at each sample"
+                                                                 : "the colour of the triangle's corners or face, at each sample";
     if (steps.onDevice())
         steps.addFused("shade", "fill", shades);
     else

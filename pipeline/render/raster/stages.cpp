@@ -52,10 +52,11 @@ private:
         frame_.transformAndCull(false);
         const size_t vertices = list_.positions.size();
         const uint32_t shading = p_.choices.shading;
-        const std::span<const glm::vec4> carried = std::span(twin_.carried).first(vertices), gotCarried = frame_.carried().first(vertices);
+        const std::span<const glm::vec4> attributes = std::span(twin_.attributes).first(vertices),
+                                         gotAttributes = frame_.attributes().first(vertices);
         check_.compare<gpu::ScreenVertex>("transform", "vertex", std::span(twin_.screen).first(vertices), frame_.screen().first(vertices));
-        if (shading == gpu::kShadingPhong) check_.compare("transform", "normal of vertex", carried, gotCarried);
-        if (shading == gpu::kShadingGouraud) check_.compareColours("colour of vertex", carried, gotCarried);
+        if (shading == gpu::kShadingPhong) check_.compare("transform", "normal of vertex", attributes, gotAttributes);
+        if (shading == gpu::kShadingGouraud) check_.compareColours("colour of vertex", attributes, gotAttributes);
         if (shading == gpu::kShadingFlat)
             check_.compareColours("colour of face", twin_.faceColours, frame_.faceColours().first(twin_.faceColours.size()));
         check_.compare<gpu::CullRecord>("cull", "32 triangles", twin_.records, frame_.records().first(twin_.records.size()));
@@ -67,18 +68,18 @@ private:
         check_.compare<gpu::DrawTriangle>("setup", "drawn triangle", twin_.draws, frame_.draws().first(twin_.draws.size()));
         // A clip job owns 8 corners and uses those that its fan names.
         std::vector<gpu::ScreenVertex> wantCorners, gotCorners;
-        std::vector<glm::vec4> wantCarried, gotCarried;
+        std::vector<glm::vec4> wantAttributes, gotAttributes;
         for (const gpu::DrawTriangle& d : twin_.draws)
             for (uint32_t v : d.vertex)
                 if (v >= list_.positions.size() && d.vertex[0] != d.vertex[1]) {
                     wantCorners.push_back(twin_.screen[v]);
                     gotCorners.push_back(frame_.screen()[v]);
-                    wantCarried.push_back(twin_.carried[v]);
-                    gotCarried.push_back(frame_.carried()[v]);
+                    wantAttributes.push_back(twin_.attributes[v]);
+                    gotAttributes.push_back(frame_.attributes()[v]);
                 }
         check_.compare<gpu::ScreenVertex>("clip", "clipped corner", wantCorners, gotCorners);
         if (p_.choices.shading >= gpu::kShadingGouraud)
-            check_.compare<glm::vec4>("clip", "carried by clipped corner", wantCarried, gotCarried);
+            check_.compare<glm::vec4>("clip", "attributes of clipped corner", wantAttributes, gotAttributes);
         handOverSetUp(twin_, frame_);
     }
 
@@ -104,7 +105,7 @@ private:
         for (size_t i = 0; i < samples; ++i)
             if (!draw[i]) std::copy_n(&p_.backgroundLinear[0], 3, linear.begin() + ptrdiff_t(3 * i));
         shadeCpu(band, list_, p_.choices, twin_.draws, twin_.screen,
-                 p_.choices.shading == gpu::kShadingFlat ? twin_.faceColours : twin_.carried, z, draw, linear, {}, threads_);
+                 p_.choices.shading == gpu::kShadingFlat ? twin_.faceColours : twin_.attributes, z, draw, linear, {}, threads_);
         for (size_t at = 0; at < samples; ++at)
             if (!samePixel(band, at, z[at], draw[at], &linear[3 * at])) return;
         for (const char* pass : {"fill", "shade"}) check_.equal(pass);

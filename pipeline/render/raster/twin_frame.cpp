@@ -19,11 +19,11 @@ bool TwinPasses::illuminates() const {
 void TwinPasses::transform() {
     const size_t vertices = list_.positions.size();
     g_.screen.resize(vertices);
-    g_.carried.resize(vertices);
+    g_.attributes.resize(vertices);
     if (list_.numbers != Numbers::fp32) g_.clipSpace.resize(vertices);
     for (const DrawList::Range& r : list_.ranges) {
         const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, list_.viewport};
-        transformCpu(push, normalsCarried(choices_, normals_), list_.positions, list_.normals, list_.objects, g_.screen, g_.carried,
+        transformCpu(push, normalsOfTransform(choices_, normals_), list_.positions, list_.normals, list_.objects, g_.screen, g_.attributes,
                      threads_, {list_.numbers, list_.longs, g_.clipSpace});
     }
 }
@@ -41,7 +41,7 @@ void TwinPasses::illuminate() {
                                        list_.towardViewer};
         if (vertices)
             illuminateCpu(push, choices_.parts, list_.positions, list_.normals, list_.vertexMaterial, list_.objects, list_.materials,
-                          list_.lights, g_.carried, threads_);
+                          list_.lights, g_.attributes, threads_);
         else
             illuminateCpu(push, choices_.parts, list_.facePositions, list_.faceNormals, list_.faceMaterial, list_.objects, list_.materials,
                           list_.lights, g_.faceColours, threads_);
@@ -58,11 +58,11 @@ void TwinPasses::setUp() {
     g_.places = placeDraws(g_.records, list_, vertices);
     g_.draws.resize(g_.places.drawCount);
     g_.screen.resize(vertices + g_.places.clippedVertices);
-    g_.carried.resize(vertices + g_.places.clippedVertices);
+    g_.attributes.resize(vertices + g_.places.clippedVertices);
     g_.clipKinds.resize(g_.places.jobs.size());
     setupCpu(g_.records, g_.places, list_.triangles, g_.screen, g_.draws, threads_);
     clipCpu({0, uint32_t(g_.places.jobs.size()), list_.cullBackFaces, list_.frame, list_.viewport}, g_.places.jobs, list_.triangles,
-            list_.positions, list_.objects, g_.screen, g_.carried, g_.draws, g_.clipKinds, threads_, g_.clipSpace);
+            list_.positions, list_.objects, g_.screen, g_.attributes, g_.draws, g_.clipKinds, threads_, g_.clipSpace);
 }
 
 TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads) {

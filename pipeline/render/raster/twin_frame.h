@@ -14,7 +14,7 @@ namespace plumb {
 
 struct TwinGeometry {
     std::vector<gpu::ScreenVertex> screen;  // vertices, then clipped corners
-    std::vector<glm::vec4> carried;         // normals or vertex colours, then clipped corners
+    std::vector<glm::vec4> attributes;      // normals or vertex colours, then clipped corners
     std::vector<glm::vec4> faceColours;     // flat
     std::vector<gpu::CullRecord> records;
     DrawPlaces places;
@@ -23,7 +23,7 @@ struct TwinGeometry {
     std::vector<glm::vec4> clipSpace;  // of vertices, unless they are transformed in float32
 };
 
-// The passes of the geometry, each on what those before it left in `geometry`. `normals`: carry world normals whatever the shading.
+// The passes of the geometry, each on what those before it left in `geometry`. `normals`: attributes are world normals whatever the shading.
 class TwinPasses {
 public:
     TwinPasses(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads, TwinGeometry& geometry);

@@ -42,7 +42,7 @@ public:
                                      {"cull", [&] { passes.cull(); }},
                                      {"setup", [&] { passes.setUp(); }}};
         walk(p_.plan, result_.times, geometry);
-        // The normal plane of a picture that is not shaded by normals: the same vertices, carrying normals.
+        // The normal plane of a picture that is not shaded by normals: the same vertices with normals as attributes.
         if (wantsNormals() && !shadesPixels()) withNormals_ = twinGeometry(p_.list, p_.choices, true, threads_);
         countGeometry(geometry_, result_.counters);
         const uint32_t height = uint32_t(p_.list.frame.height), rows = rowsOfBand();
@@ -86,11 +86,11 @@ private:
         for (size_t i = 0; i < draw_.size(); ++i)
             if (!draw_[i]) std::copy_n(&p_.backgroundLinear.x, 3, linear_.begin() + ptrdiff_t(3 * i));
         const bool flat = p_.choices.shading == gpu::kShadingFlat;
-        shadeCpu(band_, p_.list, p_.choices, geometry_.draws, geometry_.screen, flat ? geometry_.faceColours : geometry_.carried, z_, draw_,
-                 linear_, shadesPixels() ? std::span<float>(normal_) : std::span<float>(), threads_);
+        shadeCpu(band_, p_.list, p_.choices, geometry_.draws, geometry_.screen, flat ? geometry_.faceColours : geometry_.attributes, z_,
+                 draw_, linear_, shadesPixels() ? std::span<float>(normal_) : std::span<float>(), threads_);
         if (!wantsNormals() || shadesPixels()) return;
         std::vector<float> unused(linear_.size());
-        shadeCpu(band_, p_.list, forNormals(p_.choices), geometry_.draws, geometry_.screen, withNormals_.carried, z_, draw_, unused,
+        shadeCpu(band_, p_.list, forNormals(p_.choices), geometry_.draws, geometry_.screen, withNormals_.attributes, z_, draw_, unused,
                  normal_, threads_);
     }
 

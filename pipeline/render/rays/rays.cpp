@@ -59,7 +59,7 @@ void planChoices(const RenderRequest& request, Plan& plan) {
     if (rays.sampling != RayChoices::Sampling::grid || !stated.sampling.empty())
         plan.choices.push_back(fmt::format("sampling {}{}", meaningOf(kSamplings, rays.sampling), by(stated.sampling)));
     for (const auto& [name, amount] : {std::pair("reflected rays", rays.jitterReflect), std::pair("refracted rays", rays.jitterRefract),
-                                       std::pair("shadow feelers", rays.jitterShadow)})
+                                       std::pair("shadow rays", rays.jitterShadow)})
         if (amount > 0) plan.choices.push_back(fmt::format("noise of {:g} on {}, seed {}{}", amount, name, rays.seed, by(stated.jitter)));
     if (!stated.seed.empty()) plan.choices.push_back(fmt::format("seed {}{}", rays.seed, by(stated.seed)));
     if (rays.cutLevels || !stated.levels.empty())

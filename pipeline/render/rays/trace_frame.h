@@ -19,7 +19,7 @@ TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, co
 // Rays and records of a frame; which samples, and the pitch of the buffers, are the caller's.
 gpu::TracePush tracePushOf(const Prepared& prepared, const RenderRequest& request, const TraceScene& traced);
 
-// Loop iterations that one ray costs on the device at most, feelers included.
+// Loop iterations that one ray costs on the device at most, shadow rays included.
 uint64_t stepsOfRay(const TraceScene& traced);
 
 void traceFrameCpu(const Prepared& prepared, const Scene& scene, const RenderRequest& request, PlaneWriter& writer, RenderResult& result);

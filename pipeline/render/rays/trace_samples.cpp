@@ -138,7 +138,7 @@ void addRayCounts(std::span<const uint64_t> words, uint32_t maxDepth, RenderCoun
         c.rays[depth].primary += at[gpu::kCountPrimary];
         c.rays[depth].reflected += at[gpu::kCountReflected];
         c.rays[depth].refracted += at[gpu::kCountRefracted];
-        c.rays[depth].feelers += at[gpu::kCountFeelers];
+        c.rays[depth].shadowRays += at[gpu::kCountShadowRays];
     }
     c.undecidedRays += words[gpu::kCountUndecided];
 }

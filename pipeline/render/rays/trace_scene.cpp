@@ -204,7 +204,7 @@ TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, co
     c.side = prepared.side;
     c.jitterMirror = request.rays.jitterReflect;
     c.jitterPass = request.rays.jitterRefract;
-    c.jitterFeeler = request.rays.jitterShadow;
+    c.jitterShadow = request.rays.jitterShadow;
     c.cutLevels = request.rays.cutLevels;
     if (c.cutLevels && traced.branching)
         throw inputError(scene.path, "a material both reflects and refracts; --levels cut is of paths with one ray after another");

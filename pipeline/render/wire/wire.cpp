@@ -209,7 +209,7 @@ Prepared prepareWire(const Scene& scene, const RenderRequest& request, RunsOn si
     if (request.wire == WireView::solid) {
         addSurfaceSteps(steps, it.p, false);
         if (!steps.onDevice()) {
-            steps.add("shade", "the colour that a triangle carries, at each sample");
+            steps.add("shade", "the colour of the triangle's corners or face, at each sample");
             steps.addColours(1, side, "");
         }
     }

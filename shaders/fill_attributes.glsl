@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Attributes in the fill kernel: what the visible triangles carry to the pixels of a block, and their materials (fill.comp).
+// Attributes in the fill kernel: those of the visible triangles at the pixels of a block, and their materials (fill.comp).
 
 // Triangle whose values are taken to the pixels that show it.
-struct Carrier {
+struct VisibleTriangle {
     int source;  // triangle of the chunk
     int owner;   // its material, or its face when flat
     Edges e;
@@ -11,55 +11,55 @@ struct Carrier {
     vec3 a0, a1, a2;  // the corners' values times their weights
     vec3 flatColour;
 };
-Carrier carrier;
+VisibleTriangle visible;
 
-void readCarrier(uvec4 d) {
-    carrier.source = int(d.w);
-    carrier.owner = kOneMaterial && kShading != kShadingFlat ? 0 : int(texelFetch(triangleMaterials, int(d.w)).x);
-    carrier.rho = vec3(0.0);
-    carrier.a0 = carrier.a1 = carrier.a2 = vec3(0.0);
-    carrier.w = vec3(0.0);
-    carrier.flatColour = vec3(0.0);
-    if (kShading == kShadingFlat) carrier.flatColour = texelFetch(carried, carrier.owner).xyz;
+void readVisible(uvec4 d) {
+    visible.source = int(d.w);
+    visible.owner = kOneMaterial && kShading != kShadingFlat ? 0 : int(texelFetch(triangleMaterials, int(d.w)).x);
+    visible.rho = vec3(0.0);
+    visible.a0 = visible.a1 = visible.a2 = vec3(0.0);
+    visible.w = vec3(0.0);
+    visible.flatColour = vec3(0.0);
+    if (kShading == kShadingFlat) visible.flatColour = texelFetch(attributes, visible.owner).xyz;
     if (kShading >= kShadingGouraud) {
         uvec4 v0 = texelFetch(screen, int(d.x));
         uvec4 v1 = texelFetch(screen, int(d.y));
         uvec4 v2 = texelFetch(screen, int(d.z));
-        edgesAt(centre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), carrier.e);
-        carrier.rho = vec3(carrier.e.rho) * 0.00390625;
-        carrier.w = vec3(uintBitsToFloat(v0.z), uintBitsToFloat(v1.z), uintBitsToFloat(v2.z)) *
+        edgesAt(centre, ivec2(v0.xy), ivec2(v1.xy), ivec2(v2.xy), visible.e);
+        visible.rho = vec3(visible.e.rho) * 0.00390625;
+        visible.w = vec3(uintBitsToFloat(v0.z), uintBitsToFloat(v1.z), uintBitsToFloat(v2.z)) *
                     weightScale(max(max(int(v0.z), int(v1.z)), int(v2.z)));
-        if (kAffine) carrier.w = vec3(1.0);
-        carrier.a0 = texelFetch(carried, int(d.x)).xyz * carrier.w.x;
-        carrier.a1 = texelFetch(carried, int(d.y)).xyz * carrier.w.y;
-        carrier.a2 = texelFetch(carried, int(d.z)).xyz * carrier.w.z;
+        if (kAffine) visible.w = vec3(1.0);
+        visible.a0 = texelFetch(attributes, int(d.x)).xyz * visible.w.x;
+        visible.a1 = texelFetch(attributes, int(d.y)).xyz * visible.w.y;
+        visible.a2 = texelFetch(attributes, int(d.z)).xyz * visible.w.z;
     }
 }
 
 // Values g_i = E_i / 256 of a row's pixels.
-vec4 edgeOne(int r) { return edgeReal(carrier.e.hi.x, carrier.e.lo.x, carrier.e.a.x, carrier.e.b.x, r) + carrier.rho.x; }
-vec4 edgeTwo(int r) { return edgeReal(carrier.e.hi.y, carrier.e.lo.y, carrier.e.a.y, carrier.e.b.y, r) + carrier.rho.y; }
-vec4 edgeThree(int r) { return edgeReal(carrier.e.hi.z, carrier.e.lo.z, carrier.e.a.z, carrier.e.b.z, r) + carrier.rho.z; }
+vec4 edgeOne(int r) { return edgeReal(visible.e.hi.x, visible.e.lo.x, visible.e.a.x, visible.e.b.x, r) + visible.rho.x; }
+vec4 edgeTwo(int r) { return edgeReal(visible.e.hi.y, visible.e.lo.y, visible.e.a.y, visible.e.b.y, r) + visible.rho.y; }
+vec4 edgeThree(int r) { return edgeReal(visible.e.hi.z, visible.e.lo.z, visible.e.a.z, visible.e.b.z, r) + visible.rho.z; }
 
 // Takes the triangle's values into those pixels of row r that show it.
-void carryRow(int r, bvec4 here) {
+void interpolateRow(int r, bvec4 here) {
     if (kShading == kShadingFlat) {
-        carriedX[r] = mix(carriedX[r], vec4(carrier.flatColour.x), here);
-        carriedY[r] = mix(carriedY[r], vec4(carrier.flatColour.y), here);
-        carriedZ[r] = mix(carriedZ[r], vec4(carrier.flatColour.z), here);
+        attributeX[r] = mix(attributeX[r], vec4(visible.flatColour.x), here);
+        attributeY[r] = mix(attributeY[r], vec4(visible.flatColour.y), here);
+        attributeZ[r] = mix(attributeZ[r], vec4(visible.flatColour.z), here);
     }
     if (kShading >= kShadingGouraud) {
         vec4 g0 = edgeOne(r);
         vec4 g1 = edgeTwo(r);
         vec4 g2 = edgeThree(r);
-        carriedX[r] = mix(carriedX[r], weigh(carrier.a0.x, carrier.a1.x, carrier.a2.x, g0, g1, g2), here);
-        carriedY[r] = mix(carriedY[r], weigh(carrier.a0.y, carrier.a1.y, carrier.a2.y, g0, g1, g2), here);
-        carriedZ[r] = mix(carriedZ[r], weigh(carrier.a0.z, carrier.a1.z, carrier.a2.z, g0, g1, g2), here);
+        attributeX[r] = mix(attributeX[r], weigh(visible.a0.x, visible.a1.x, visible.a2.x, g0, g1, g2), here);
+        attributeY[r] = mix(attributeY[r], weigh(visible.a0.y, visible.a1.y, visible.a2.y, g0, g1, g2), here);
+        attributeZ[r] = mix(attributeZ[r], weigh(visible.a0.z, visible.a1.z, visible.a2.z, g0, g1, g2), here);
         if (kShading == kShadingGouraud || !kUnitNormals)
-            weight[r] = mix(weight[r], weigh(carrier.w.x, carrier.w.y, carrier.w.z, g0, g1, g2), here);
+            weight[r] = mix(weight[r], weigh(visible.w.x, visible.w.y, visible.w.z, g0, g1, g2), here);
     }
-    source[r] = mix(source[r], ivec4(carrier.source), here);
-    material[r] = mix(material[r], ivec4(carrier.owner), here);
+    source[r] = mix(source[r], ivec4(visible.source), here);
+    material[r] = mix(material[r], ivec4(visible.owner), here);
 }
 
 #ifdef PLUMB_VECTORS
@@ -82,17 +82,17 @@ void seeTriangle(uvec4 d) {
         lampFrom(lampPlaces[i], lampIntensities[i].w, place);
 }
 
-void carryVectors(int r, bvec4 here) {
-    Shares shares = sharesOf(carrier.w.x, carrier.w.y, carrier.w.z, edgeOne(r), edgeTwo(r), edgeThree(r));
-    if (kSpecular) carryVector(towardEye[r], eyeHere, shares, here);
+void interpolateVectors(int r, bvec4 here) {
+    Shares shares = sharesOf(visible.w.x, visible.w.y, visible.w.z, edgeOne(r), edgeTwo(r), edgeThree(r));
+    if (kSpecular) interpolateVector(towardEye[r], eyeHere, shares, here);
     [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) if (i < kLightCount && lampPlaces[i].w != 0.0)
-        carryVector(towardLamp[4u * i + uint(r)], lampsHere[i], shares, here);
+        interpolateVector(towardLamp[4u * i + uint(r)], lampsHere[i], shares, here);
 }
 #endif
 
-void beginCarry() {
+void clearAttributes() {
     [[unroll]] for (int r = 0; r < 4; ++r) {
-        carriedX[r] = carriedY[r] = carriedZ[r] = vec4(0.0);
+        attributeX[r] = attributeY[r] = attributeZ[r] = vec4(0.0);
         weight[r] = vec4(1.0);
         source[r] = ivec4(0);
         material[r] = ivec4(-1);
@@ -108,24 +108,24 @@ void beginCarry() {
 #endif
 }
 
-// Takes what the visible triangles carry to the 16 pixels: one round for each distinct triangle, from the highest down.
-void carryVisible(int alone) {
-    beginCarry();
+// Interpolates the attributes of the visible triangles at the 16 pixels: one round for each distinct triangle, from the highest down.
+void interpolateVisible(int alone) {
+    clearAttributes();
     ivec4 highestId = max(max(id[0], id[1]), max(id[2], id[3]));
     int current = kOne ? alone + 1 : max(max(highestId.x, highestId.y), max(highestId.z, highestId.w));
     int rounds = 0;
     do {
         uvec4 d = texelFetch(draws, max(current - 1, 0));
-        readCarrier(d);
+        readVisible(d);
 #ifdef PLUMB_VECTORS
         seeTriangle(d);
 #endif
         ivec4 below = ivec4(0);
         [[unroll]] for (int r = 0; r < 4; ++r) {
-            bvec4 here = kOne ? bvec4(true) : equal(id[r], ivec4(current));  // alone: what it carries beside its own pixels is not drawn
-            carryRow(r, here);
+            bvec4 here = kOne ? bvec4(true) : equal(id[r], ivec4(current));  // alone: its attributes beside its own pixels are not drawn
+            interpolateRow(r, here);
 #ifdef PLUMB_VECTORS
-            carryVectors(r, here);
+            interpolateVectors(r, here);
 #endif
             below = max(below, mix(ivec4(0), id[r], lessThan(id[r], ivec4(current))));
         }
