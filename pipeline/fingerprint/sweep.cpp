@@ -56,7 +56,7 @@ public:
         });
     }
 
-    // Of a normal number; positive for the roots and the logarithm.
+    // True value of the function at a normal number, which is positive for the roots and the logarithm.
     Exact of(uint32_t bits) const {
         const int exponent = exponentOf(bits), parity = exponent & 1, half = (exponent - parity) / 2;
         const uint32_t significand = bits & 0x7fffffu;
@@ -81,7 +81,7 @@ public:
 
 private:
     static Exact justBelowOne() { return {Exact::Kind::finite, false, true, -128, ~Wide(0)}; }
-    // Of a number in [0, 1), as 64 bits behind the point.
+    // Bits behind the point of a number in [0, 1).
     static uint64_t fractionOf(const Exact& x) { return uint64_t(x.mantissa >> 64 >> (-128 - x.exponent)); }
     Exact logarithm(uint32_t bits, int exponent, uint32_t significand) const {
         if (exponent == -1 || exponent == 0) return log2Of(bits);  // near 1 the result is small, and 64 bits are few

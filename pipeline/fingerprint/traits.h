@@ -78,7 +78,7 @@ struct Questions {
     std::vector<uint32_t> expected;
 };
 Questions questionsOf(const Trait&, uint32_t samples);
-// The same for all traits, in their order; made once for each number of samples.
+// Questions of all traits, in the order of the traits. They are made once for each number of samples.
 const std::vector<Questions>& allQuestions(uint32_t samples = kSamples);
 
 // Numbers of a question, drawn by the trait's name and the item alone: the same on every machine.
