@@ -43,7 +43,7 @@ Reflection reflect(const Module& module, const ConstantsById& constants = {});
 
 // Values of a module's constants by their names in the shader: 32 bits each (bool 0/1, int, float bits). A pipeline is made only when every
 // constant of its module is given, so that none keeps a default by mistake. kNativeDivide and kNativeRoot (shaders/shared/exact.h) may be
-// left out; they default to the findings of the device's self-test.
+// left out. They default to the findings of the device's self-test.
 using Specialization = std::map<std::string, uint32_t>;
 
 }  // namespace plumb

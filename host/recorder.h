@@ -51,11 +51,11 @@ public:
     ~Recorder();
     Recorder(Recorder&&) noexcept;
 
-    // Records one dispatch of `items` invocations along x (rounded up to the local size; more groups than
-    // maxComputeWorkGroupCount[0] go to y: modules compute their item from both, see shaders/shared/status.h).
-    // `push` is a struct whose first member is `uint statusSlot` (overwritten here); its size must equal the module's.
-    // `bindings` are those of the module but its Status, in any order. Refuses (Error(failed), a sentence naming module and binding) what does
-    // not fit: names, kinds, strides, texel types, push size, ranges, constants that are unknown or not given.
+    // Records one dispatch of `items` invocations along x, rounded up to the local size. More groups than maxComputeWorkGroupCount[0] go to
+    // y; modules compute their item from both (shaders/shared/status.h). `push` is a struct whose first member is `uint statusSlot`, which
+    // is overwritten here. Its size must equal the module's. `bindings` are those of the module but its Status, in any order. Refuses
+    // (Error(failed), a sentence naming module and binding) what does not fit: names, kinds, strides, texel types, push size, ranges,
+    // constants that are unknown or not given.
     template <class Push>
     void dispatch(const char* label, const Module& module, uint64_t items, Push push, const std::vector<Binding>& bindings,
                   const Specialization& constants = {}) {

@@ -19,7 +19,7 @@ struct TraceRow {
     std::string theirs;    // name of the other side: "C++, 2 threads"
     uint64_t objects = 0;  // spheres, or triangles
     uint32_t width = 0, height = 0;
-    uint64_t rays = 0, shadowRays = 0;  // of one picture of the device
+    uint64_t rays = 0, shadowRays = 0;  // rays of one picture of the device
     Spread oursMs, theirsMs;
     Spread ratio;  // theirs / ours of each pair; above 1 ours is faster
     double ratioOfLeast = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The command line as a request. One table of flags makes the parser, the help, the man page and the completions, so
-// they cannot disagree. The order of flags never matters: a flag may stand before the command, and a flag that takes one
-// value and is given twice is refused rather than letting the later one win.
+// The command line as a request. One table of flags makes the parser, the help, the man page and the completions, so they cannot disagree.
+// The order of flags never matters, and a flag may stand before the command. A flag that takes one value and is given twice is refused; the
+// later one does not win.
 #pragma once
 
 #include "pipeline/choices/choices.h"
@@ -46,7 +46,7 @@ struct Options {
     std::vector<std::string> inputs;  // what stands after the command
     bool help = false, version = false;
 
-    std::vector<std::string> gates;  // of diff, as written; pipeline/compare/gate.h parses them
+    std::vector<std::string> gates;  // conditions of diff, as written; pipeline/compare/gate.h parses them
     uint32_t radius = 0;
     double pixelsPerDegree = 0;       // 0: the default of pipeline/compare
     std::vector<std::string> planes;  // empty: all
@@ -61,7 +61,7 @@ struct Options {
     std::optional<WireView> wire;
     std::optional<Encoding> encoding;
     uint32_t samples = 1;
-    std::optional<uint32_t> maxDepth;  // of rays
+    std::optional<uint32_t> maxDepth;  // longest chain of rays
     std::optional<double> minWeight;
     std::optional<Sampling> sampling;  // the following five go with rays alone
     std::optional<double> jitterReflect, jitterRefract, jitterShadow;
@@ -87,7 +87,7 @@ struct Options {
     uint64_t limitChunk = 0;
     uint32_t limitBand = 0;
 
-    std::string format;  // of the inputs; empty: by name, else by content
+    std::string format;  // format of the inputs; empty: by name, else by content
     std::string camera;  // of a glTF, by number or name; empty: the first
     bool strict = false, allowOutside = false;
     double creaseDegrees = 60;
@@ -95,8 +95,8 @@ struct Options {
     bool json = false;
     std::string jsonFile;  // empty: stdout
     ProgressMode progress = ProgressMode::automatic;
-    std::vector<std::string> axes;  // of measure; empty: all
-    double limitMs = 120000;        // of a measurement
+    std::vector<std::string> axes;  // axes of measure; empty: all
+    double limitMs = 120000;        // longest time of a measurement
     uint32_t repetitions = 31;
     bool csv = false;
     std::string csvFile;  // empty: stdout
@@ -109,11 +109,11 @@ struct Options {
 
     std::string object;                             // matrix: name or number; empty: all
     std::vector<glm::dvec3> points;                 // matrix: taken through the chain; in the plane z is 0
-    bool planePoints = false, spacePoints = false;  // with two and with three numbers
+    bool planePoints = false, spacePoints = false;  // a point has two numbers, or three
     int dimensions = 3;                             // matrix: 2 or 3
     bool rowNotation = false, zReversed = false, inverse = false;
     uint64_t vertices = 0;  // matrix: to be transformed, counted and timed
-    uint32_t pairs = 50;    // of a row of a benchmark
+    uint32_t pairs = 50;    // pairs of runs of a benchmark's row
 
     bool fingerprint = false, allFloats = false, compare = false;  // of devices
 

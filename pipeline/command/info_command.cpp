@@ -23,9 +23,9 @@
 namespace plumb {
 namespace {
 
-// Edges of the triangles between welded corners: a vertex that was split for its normal or material is one corner, and
-// corners are welded when their positions have the same bits (+0 and -0 are one). An edge inside a polygon is used
-// twice by construction, so triangulation adds neither boundary nor non-manifold edges.
+// Edges of the triangles between welded corners. Corners are welded when their positions have the same bits (+0 and -0 are one), so a
+// vertex that was split for its normal or material is one corner. An edge inside a polygon is used twice by construction, so triangulation
+// adds neither boundary nor non-manifold edges.
 struct Edges {
     uint64_t corners = 0, edges = 0, boundary = 0, nonManifold = 0, flipped = 0;  // flipped: two faces run along it the same way
 };

@@ -17,15 +17,15 @@ namespace plumb {
 struct OutputFile {
     std::string path;
     std::vector<Plane> aovs;
-    std::optional<Eye> eye;      // of a stereo pair
-    std::optional<Field> field;  // of an interlaced picture
+    std::optional<Eye> eye;      // eye of a stereo pair
+    std::optional<Field> field;  // field of an interlaced picture
     std::optional<Inks> inks;    // a separation, of this ink
     size_t ink = 0;
 };
 
 struct OutputPlan {
     bool sheet = false;                          // all views in one picture
-    std::vector<std::vector<OutputFile>> files;  // of each view; of the sheet alone when there is one
+    std::vector<std::vector<OutputFile>> files;  // files of each view; of the sheet alone when there is one
     uint32_t planes = kPlaneColour;
     bool transparent = false;
 };

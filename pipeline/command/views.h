@@ -14,8 +14,8 @@
 namespace plumb {
 
 struct Viewpoint {
-    std::string name;  // as in --view; "" for the scene's own camera
-    Camera camera;     // of --stereo: midway between the eyes
+    std::string name;  // word of --view; "" for the scene's own camera
+    Camera camera;     // with --stereo: midway between the eyes
     std::vector<Light> lights;
 };
 

@@ -21,7 +21,7 @@ namespace plumb {
 enum class Metric { max, mean, rmse, psnr, ssim, flip, flipMax, deltaE, deltaEMax, ulp, differing, region, nan, over };
 
 struct Gate {
-    std::string text;   // as written
+    std::string text;   // condition as written
     std::string layer;  // empty: every plane that has the metric
     Metric metric = Metric::max;
     double level = 0;     // number of over(number)

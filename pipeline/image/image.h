@@ -23,12 +23,12 @@ struct WriteOptions {
     bool alpha = false;      // PNG: RGBA instead of RGB
     int bits = 8;            // PNG: 8, or 16 (needs kPlaneLinear; sRGB or linear as metadata "encoding" says)
     bool linear = false;     // PNG 16: no sRGB curve
-    bool grey =
-        false;  // PNG: one channel of 8 bits, the red bytes as they are: a quantity rather than a colour, so neither curve nor gamma
+    // PNG: one channel of 8 bits, the red bytes as they are. They are a quantity rather than a colour, so there is neither curve nor gamma.
+    bool grey = false;
 };
 
-// Writes a file. "-" writes to stdout. Throws Error(failed) on disk faults (old file intact, temporary removed), Error(usage) for
-// noClobber.
+// Writes a file. "-" writes to stdout. Throws Error(failed) on disk faults: the old file is intact, the temporary one removed. Throws
+// Error(usage) for noClobber.
 // A symbolic link stays and its target is replaced; a device or FIFO is written in place.
 void writeFileAtomically(const std::filesystem::path&, std::span<const std::byte>, bool noClobber);
 // Throws the refusals of writeFileAtomically() that can be known before anything is rendered.

@@ -20,13 +20,12 @@ struct FrontPoint {
     bool again = false;             // the default once more: one with it whatever its interval says
 };
 
-// True for each point on the front. The first point is the default.
-// One point is nearer to the truth than another: with the same samples, when its error at these samples is less; with other samples, when
-// its error against the truth of the most samples is less. There a point counts no less than any that is nearer at the same samples,
-// because edges that happen to cancel are no merit.
-// It is faster when its interval lies below the other's. It beats a point when it is faster and not further off, or nearer and not slower.
-// Points of one work whose intervals overlap, one to the next, are one point: all of them are on the front, or none. So are the default and
-// the points with its errors that are not told apart from it.
+// True for each point on the front. The first point is the default. One point is nearer to the truth than another when its error is less.
+// With the same samples that is the error at these samples, with other samples the error against the truth of the most samples. There a
+// point counts no less than any that is nearer at the same samples, because edges that happen to cancel are no merit. It is faster when its
+// interval lies below the other's. It beats a point when it is faster and not further off, or nearer and not slower. Points of one work
+// whose intervals overlap, one to the next, are one point: all of them are on the front, or none. So are the default and the points with
+// its errors that are not told apart from it.
 std::vector<bool> frontOf(std::span<const FrontPoint> points);
 
 }  // namespace plumb

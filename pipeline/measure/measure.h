@@ -50,19 +50,19 @@ struct MeasuredRun {
     Setting setting;
     Times total;  // host time of a whole render, upload and readback included
     std::vector<std::pair<std::string, Times>> passes;
-    std::optional<RatioInterval>
-        ratio;                   // each round's time over the default's in the same round; none of fewer than kLeastForMedian rounds
+    // Interval of each round's time over the default's in the same round; none of fewer than kLeastForMedian rounds.
+    std::optional<RatioInterval> ratio;
     Told told = Told::notApart;  // what `ratio` says
-    std::optional<FrameError>
-        error;  // against the truth of the most samples; none for a wire frame, or where the limit left no time for that truth
-    std::optional<FrameError> alike;   // against the truth at the picture's own samples
-    std::optional<ErrorBound> bound;   // of `error`; none for the default picture itself. Below full scale, and `error` is within it
-    std::string boundWhy;              // no bound, or none of some figures: why
-    std::optional<Rounding> rounding;  // error of float32 by itself
-    std::vector<uint32_t> rgba;        // keepPictures
-    std::vector<RenderCounters::RayCounts> rays;  // by depth; of a traced picture
+    // Error against the truth of the most samples. None for a wire frame, or where the limit left no time for that truth.
+    std::optional<FrameError> error;
+    std::optional<FrameError> alike;              // error against the truth at the picture's own samples
+    std::optional<ErrorBound> bound;              // bound that `error` keeps; none for the default picture itself
+    std::string boundWhy;                         // reason why there is no bound, or none of some figures
+    std::optional<Rounding> rounding;             // error of float32 by itself
+    std::vector<uint32_t> rgba;                   // picture, with keepPictures
+    std::vector<RenderCounters::RayCounts> rays;  // rays of a traced picture by depth
     std::string refused;  // sentence of a renderer that does not draw this scene so; then the run is cut, and its rows are absent
-    bool cut = false;     // the limit left no time for it
+    bool cut = false;     // true: the limit left no time for it
     std::string cutWhy;   // time that it would have needed
     std::string bytes;    // SHA-256 of the picture
 };
@@ -70,11 +70,11 @@ struct MeasuredRun {
 struct Row {
     const Axis* axis = nullptr;
     const AxisChoice* choice = nullptr;
-    bool baseline = false;
-    std::optional<size_t> run;  // none: absent
-    std::string why;            // absent, cut or without an error: why
-    bool onFront = false;       // among all rows; one answer for all rows of a run
-    bool onAxisFront = false;   // among the choices of its axis and the default
+    bool baseline = false;      // true: the default picture
+    std::optional<size_t> run;  // index into Measurement::runs; none: absent
+    std::string why;            // reason why it is absent, was cut or has no error
+    bool onFront = false;       // true: on the front of all rows; one answer for all rows of a run
+    bool onAxisFront = false;   // true: on the front of the choices of its axis and the default
 };
 
 struct Measurement {
@@ -82,10 +82,10 @@ struct Measurement {
     std::vector<Row> rows;          // the default again, then in the order of the axes; those that were cut are in `cut` instead
     std::vector<Row> cut;
     std::vector<size_t> front;   // rows, by rising time; a run that several rows share stands once. Empty below kLeastForMedian rounds
-    std::optional<Truth> truth;  // with the fill of the default picture, of mostSamples(); none: the limit left no time for it
+    std::optional<Truth> truth;  // truth of mostSamples() with the default picture's fill; none: the limit left no time for it
     uint32_t repetitions = 0;    // rounds, each with every row that was not cut
     size_t comparisons = 0;      // runs that were timed beside the default
-    double miss = 0;             // chance that one row's interval misses; missOf()
+    double miss = 0;             // chance that one row's interval misses the true ratio; missOf()
     bool limitKept = true;       // false: the default picture alone took longer
     double totalMs = 0;
 };

@@ -20,16 +20,15 @@ inline constexpr uint32_t kLeastForMedian = 3;
 // Chance that the interval of one of `comparisons` rows may miss: Bonferroni's share of the table's, and never above the row's own.
 double missOf(size_t comparisons);
 
-// Rank k of the order statistics that bound a median's interval: the largest k with 2 P(Binomial(count, 1/2) < k) <= miss. 0: even the
-// least and the largest of so few values miss more often, so no interval is bounded.
+// Rank k of the order statistics that bound a median's interval: the largest k with 2 P(Binomial(count, 1/2) < k) <= miss. 0 where even the
+// least and the largest of so few values miss more often: then no interval is bounded.
 uint32_t rankOf(uint32_t count, double miss);
 
 // Least number of rounds that can tell anything apart.
 uint32_t roundsToTell(double miss);
 
 // Median of the rounds' ratios and its interval by order statistics (the sign test inverted). It assumes nothing about the distribution of
-// the noise: each round's ratio lies above or below the true median by the toss of a coin, so the number above it is binomial for any
-// number of rounds.
+// the noise. Each round's ratio lies above or below the true median by the toss of a coin, so the number above it is binomial.
 struct RatioInterval {
     double median = 1;
     double low = 1, high = 1;  // 0 and infinity where the rounds are too few

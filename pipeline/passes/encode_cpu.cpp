@@ -10,8 +10,8 @@ namespace plumb {
 
 namespace {
 
-// Linear value of an sRGB code. long double, a significand of 64 bits, is exact to far more than float32 here: no threshold comes that
-// close to a float (tests/unit/encode_test.cpp checks the distances).
+// Linear value of an sRGB code. long double has a significand of 64 bits, far more than float32. No threshold comes that close to a float
+// (tests/unit/encode_test.cpp checks the distances).
 long double linearOfCode(long double code) {
     const long double s = code / 255.0L;
     return s <= 0.04045L ? s / 12.92L : std::pow((s + 0.055L) / 1.055L, 2.4L);

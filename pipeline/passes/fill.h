@@ -25,7 +25,7 @@ struct FillChoices {
     uint32_t depthBits = 32;                  // 32: float32; gpu::kDepthStandard: float32 of 1 - n/w; 16, 24: fixed point
     bool unitNormals = true;                  // false: normals are used as interpolated, not normalised
     uint32_t vectors = gpu::
-        kVectorsPixel;    // where directions are made (shared/vectors.h): else lightCount and lightKinds are stated, not coarse, not native
+        kVectorsPixel;  // where directions are made (shared/vectors.h). Others need lightCount and lightKinds, and neither coarse nor native
     bool coarse = false;  // Phong: one shaded pixel in 2 x 2
     uint32_t encoding = gpu::kEncodeSrgb;
     uint32_t planes = 0;  // gpu::kFillPlane bits that the plane buffer holds

@@ -12,8 +12,8 @@
 
 namespace plumb {
 
-// Input for removing hidden lines: the polygon of each edge, and z bits and face of the pixels of rows [push.surfaceRow, +
-// push.surfaceRows), which include the rows next to the band. Empty: every line is drawn.
+// Input for removing hidden lines: the polygon of each edge, and z bits and face of each pixel. The rows begin at push.surfaceRow; the
+// push.surfaceRows of them include those next to the band. Empty: every line is drawn.
 struct HiddenLines {
     std::span<const uint32_t> edgeFaces;
     std::span<const glm::uvec2> surfaces;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The host's part of binning (contract: shaders/shared/bin.h): how much room each tile's list gets, which boxes are binned in strips, and
-// the lists of overflowed tiles, in which not every triangle found room.
+// The host's part of binning. Contract: shaders/shared/bin.h. It sizes the tiles' lists, cuts large boxes into strips, and completes the
+// lists of overflowed tiles, which were too short for their triangles.
 #pragma once
 
 #include "pipeline/passes/cull.h"

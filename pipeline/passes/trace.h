@@ -72,7 +72,7 @@ struct TraceBuffers {
     Buffer<glm::vec4> corners;
     Buffer<glm::uvec4> triangles, nodes, leaves;
     Buffer<uint32_t> encodeTable, pixels;
-    Buffer<uint32_t> colours, planeWords;  // of one band
+    Buffer<uint32_t> colours, planeWords;  // colours and planes of one band
     Buffer<uint32_t> counters;             // gpu::kCounters words
     Buffer<uint32_t> waiting, states;      // list form, for the samples of one dispatch
 };

@@ -33,14 +33,14 @@ private:
     bool isOutside(const Object& object) const;
     bool isTurned(const glm::dmat4& worldFromMesh) const;
     void addLight(const Light& stated);
-    uint32_t slotOf(uint32_t material);  // of the list's materials, appended when it is met first
+    uint32_t slotOf(uint32_t material);  // index into list.materials; appends the material when it is met first
 
     const Scene& scene_;
     const RenderRequest& request_;
     const Pinhole& view_;
     Prepared& p_;
     DrawList& list_;
-    std::vector<uint32_t> slots_;  // of each material of the scene
+    std::vector<uint32_t> slots_;  // index into list.materials of each material of the scene, or kNone
 };
 
 }  // namespace plumb

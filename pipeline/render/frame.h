@@ -19,8 +19,8 @@ struct Frame {
     uint64_t coveredPixels = 0;  // pixels with at least one covered sample
 };
 
-// One plane of a frame: its bit, its name in reports, the numbers of a pixel, and each of them where nothing is drawn (colours there are the
-// background's).
+// One plane of a frame: its bit, its name in reports, the numbers of a pixel, and their value where nothing is drawn. Colours have the
+// background there.
 template <class Value>
 struct PlaneRow {
     Plane plane;

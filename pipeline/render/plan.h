@@ -18,9 +18,9 @@ struct PlanStep {
     std::string name;  // name of the pass
     RunsOn side = RunsOn::device;
     std::string why;           // reason why the step is part of this picture
-    std::string fusedIn = {};  // the step whose kernel or function does this one's work too; empty: it runs by itself
-    std::string idle = {};     // after drawing: why it had nothing to do; empty where it did something
-    bool ran = false;          // after drawing
+    std::string fusedIn = {};  // step whose kernel or function does this one's work, too; empty: it runs by itself
+    std::string idle = {};     // after drawing: reason why it had nothing to do; empty where it did something
+    bool ran = false;          // after drawing: true when it did something
 };
 
 struct Plan {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From a scene and a request to what the passes take, and the plan that says what was left out and why.
+// Input of the passes for a scene and a request, and the plan that says what was left out and why.
 #pragma once
 
 #include "pipeline/passes/fill.h"
@@ -16,17 +16,17 @@ struct Prepared {
     uint32_t width = 0, height = 0, side = 1;  // picture; samples a pixel = side * side
     float near = 0;                            // near plane in scene units; the passes' own is list.viewport.near, in [1, 2)
     double unit = 1;                           // the passes' lengths per unit of the scene, a power of two
-    uint32_t background = 0;                   // encoded; of a sample
+    uint32_t background = 0;                   // encoded colour of a sample where nothing is drawn
     glm::vec3 backgroundLinear{0};
     uint32_t undrawn = 0;  // encoded pixel of which no sample is drawn, as resolving leaves it
     glm::vec3 undrawnLinear{0};
-    glm::vec3 rayOrigin{0}, rayX{0}, rayY{0};  // to each sample; the list's own are those that shading takes
+    glm::vec3 rayOrigin{0}, rayX{0}, rayY{0};  // direction to sample (x, y): rayOrigin + rayX x + rayY y; shading takes those of `list`
     Plan plan;
-    RenderCounters counters;  // objects, vertices, triangles
+    RenderCounters counters;  // set are objects, vertices and triangles
 };
 
-// By the way to draw that draws the request (technique.h). Throws Error(usage) for what it does not have, Error(input) for what no pass can draw (a
-// scene beyond the stated limits). Only the plan's steps depend on the side.
+// Prepares a picture by the technique that draws the request (technique.h). Throws Error(usage) for what that does not have, and
+// Error(input) for a scene beyond the stated limits. Only the plan's steps depend on the side.
 Prepared prepare(const Scene& scene, const RenderRequest& request, RunsOn side = RunsOn::device);
 
 }  // namespace plumb

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The parts from which every way to draw prepares its pictures.
+// Common code of the techniques for preparing a picture.
 #pragma once
 
 #include "pipeline/render/camera.h"
@@ -14,18 +14,18 @@ namespace plumb {
 uint32_t sideOf(const RenderRequest& request);     // samples of a pixel along an axis
 uint32_t shadingOf(const RenderRequest& request);  // gpu::kShading of a raster shading
 
-// Each throws Error(input), for ways to draw that do not have it.
+// Refusals of techniques that cannot draw what the comment names. They throw Error(input).
 void refuseNoZBuffer(const Scene& scene);  // z_buffer = false
 void refuseShapes(const Scene& scene);     // spheres and planes
-// Where the first of the spheres and planes is stated.
+// Location of the first sphere, or else of the first plane; for refusals.
 std::string firstShapePlace(const Scene& scene);
 
 // Prepares anew what depends on the scene's camera and on where its objects stand. False: an object comes into view that the list does not have, the
 // front of one turns round, or a light changes its kind; `p` is then not to be drawn.
 bool placeAgain(const Scene& scene, const RenderRequest& request, Prepared& p);
 
-// A picture that is being prepared: the canvas, the camera, the background and the choices are there from the start. A way to draw adds what it takes
-// of the scene and the steps of its plan.
+// A picture that is being prepared. Canvas, camera, background and choices are there from the start. The technique adds the parts of the
+// scene that it draws and the steps of its plan.
 class Preparing {
 public:
     // `shading`: gpu::kShading of what is lit.
@@ -33,9 +33,9 @@ public:
     Preparing(const Preparing&) = delete;
     Preparing& operator=(const Preparing&) = delete;
 
-    // States that what asks for rays is left out. Empty: nothing asks.
+    // States in the plan that reflection and refraction are left out. `asked`: raysAskedBy(); empty: does nothing.
     void dropRays(const std::string& asked);
-    // Lights, and a material where no object has one. None for what is not lit.
+    // Adds the lights, and a material where no object has one. Adds no light where nothing is lit.
     void addLights();
     // Leaves out the parts of illumination that no light or no material of the list needs.
     void leaveOut();
@@ -46,7 +46,7 @@ public:
     const RenderRequest& request;
     const Pinhole view;
     Prepared p;
-    ListBuilder list;  // of p
+    ListBuilder list;  // builder of p.list
 };
 
 }  // namespace plumb

@@ -26,11 +26,12 @@ namespace plumb {
 struct RayChoices {
     using Sampling = plumb::Sampling;  // adaptive: 16 samples where a pixel's corners differ by more than kCornerLevels
     Sampling sampling = Sampling::grid;
-    float jitterReflect = 0, jitterRefract = 0, jitterShadow = 0;  // noise on unit vectors, 0 to 1/2
-    uint32_t seed = 0;                                             // of the noise and of Sampling::random
-    bool cutLevels = false;  // whole levels, cut after each ray, as the notes' C program adds colours; Encoding::linear
+    float jitterReflect = 0, jitterRefract = 0, jitterShadow = 0;  // length of the noise added to unit directions, 0 to 1/2
+    uint32_t seed = 0;                                             // seed of the noise and of Sampling::random
+    // True: colours are cut to whole levels after each ray, as the notes' C program adds them. Needs Encoding::linear.
+    bool cutLevels = false;
 };
-inline constexpr int kCornerLevels = 4;  // of an encoded channel
+inline constexpr int kCornerLevels = 4;  // steps of an encoded channel of 8 bits
 
 // Who stated a choice, in the words of the plan; empty: nobody. No picture depends on it.
 struct Stated {
@@ -53,17 +54,18 @@ struct RenderRequest {
     WireView wire = WireView::seeThrough;
     bool wirePerPolygon = false;  // each edge as often as polygons have it (section 2 of the notes); WireView::solid always does
     Encoding encoding = Encoding::srgb;
-    uint32_t samples = 1;  // 1, 4, 16: ordered grid
+    uint32_t samples = 1;  // samples a pixel in an ordered grid: 1, 4 or 16
     Trade trade;
-    bool distantViewer = false;              // one vector toward the viewer for all points (raster shadings); --fill notes also culls by it
-    glm::vec3 background{0.0f};              // linear RGB
-    bool transparent = false;                // RGBA output, background alpha 0
-    uint32_t planes = kPlaneColour;          // Plane bits
-    uint32_t threads = 0;                    // twin: 0 = all
-    std::function<bool(double)> onProgress;  // 0..1; false cancels (Error(interrupted))
-    double watchdogMs = 60000;
-    uint32_t maxDepth = 5;  // rays one after another, 1 to 64 (traced pictures)
-    float minWeight = 0;    // a ray that weighs less is not followed
+    bool distantViewer = false;      // one vector toward the viewer for all points (raster shadings); --fill notes also culls by it
+    glm::vec3 background{0.0f};      // linear RGB
+    bool transparent = false;        // RGBA output, background alpha 0
+    uint32_t planes = kPlaneColour;  // Plane bits
+    uint32_t threads = 0;            // twin: 0 = all
+    // Called with the finished share, 0 to 1. False cancels: Error(interrupted).
+    std::function<bool(double)> onProgress;
+    double watchdogMs = 60000;  // longest wait for one submission; longer is Error(failed)
+    uint32_t maxDepth = 5;      // longest chain of rays, 1 to 64 (traced pictures)
+    float minWeight = 0;        // least weight of a ray that is followed
     RayChoices rays;
     bool repeated = false;  // drawn many times: kernels that take longer to make may be faster, objects out of view stay; changes no byte
     Stated stated;
@@ -71,7 +73,7 @@ struct RenderRequest {
 };
 
 struct RenderCounters {
-    uint64_t objects = 0, objectsDrawn = 0, vertices = 0, triangles = 0;
+    uint64_t objects = 0, objectsDrawn = 0, vertices = 0, triangles = 0;  // of the scene; objectsDrawn: those with something in the view
     uint64_t culledBackFace = 0, culledZeroArea = 0, culledOutside = 0, clipped = 0, drawnTriangles = 0;
     uint64_t illuminations = 0;          // flat: faces, Gouraud: vertices, Phong: shaded samples
     uint64_t polygons = 0, normals = 0;  // fill notes: faces met; a normal a face, and one a corner where corners are shaded
@@ -92,11 +94,11 @@ struct RenderResult {
     double totalMs = 0;           // host time of the whole render, upload and readback included
 };
 
-// What a scene has that no raster pass of triangles draws: spheres and planes.
+// True when the scene has spheres or planes, which no pass of triangles draws.
 bool onlyRaysDraw(const Scene&);
-// Why a scene is to be traced: what it has, or what a material of an object asks for. Empty: nothing asks.
+// Reason to trace a scene: a shape that it has, or a material of an object that mirrors or refracts. Empty: there is none.
 std::string raysAskedBy(const Scene&);
-// What of that a picture by `request` leaves out: nothing by rays, and spheres that --fill notes draws are not left out. Empty: nothing.
+// Part of raysAskedBy() that a picture by `request` leaves out. Empty: nothing, as by rays, and of spheres that --fill notes draws.
 std::string leftToRays(const Scene&, const RenderRequest&);
 
 // The plan of the picture on that side, without drawing it.
@@ -135,7 +137,7 @@ public:
     RenderCounters counters() const;  // of the last draw()
     // The passes of one picture, each submitted by itself and timed by the host (Recorder::timeApart); draws it once more.
     std::vector<PassTime> timePasses();
-    std::vector<PassTime> takeTimes();  // of all draws since the last call
+    std::vector<PassTime> takeTimes();  // times of all draws since the last call
 
 private:
     struct Impl;
@@ -151,13 +153,13 @@ struct Mismatch {
 struct VerifyPlane {
     std::string name, twinSha256, deviceSha256;
     uint64_t differing = 0;
-    uint64_t beyond = 0;  // of these: further apart than the bound of the device's own functions (0 apart where there is none)
+    uint64_t beyond = 0;  // values among them that differ by more than the bound of the device's own functions; without such a bound, all
 };
 struct VerifyReport {
-    bool equal = false;                // nothing is beyond: the same bytes, or within the bound where the choices have one
-    bool bounded = false;              // the device's own functions draw (Trade::native()), and colours are compared with their bound:
-    glm::dvec3 boundLinear{0};         // in linear light
-    double boundSteps = 0;             // and in steps of the code
+    bool equal = false;                // true when no value is beyond: the same bytes, or within the bound of native choices
+    bool bounded = false;              // true when the device's own functions draw (Trade::native()): colours have the next two bounds
+    glm::dvec3 boundLinear{0};         // bound of a channel in linear light
+    double boundSteps = 0;             // further bound in steps of the code
     std::vector<Mismatch> mismatches;  // empty when equal
     std::vector<VerifyPlane> planes;   // coverage, and every plane that a picture of this shading has
     std::vector<std::pair<std::string, bool>> passes;  // per pass on the twin's input

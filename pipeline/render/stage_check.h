@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What verify holds against each other, bit for bit or within the bound of the device's own functions, and where it writes down what differs.
+// Comparisons of verify: values of the twin and the device, bit for bit or within the bound of the device's own functions.
 #pragma once
 
 #include "pipeline/render/render.h"
@@ -27,10 +27,10 @@ bool sameBits(const T& a, const T& b) {
 
 class StageCheck {
 public:
-    // Adds to report.passes and report.mismatches; its bound is that of the report.
+    // Adds to report.passes and report.mismatches. Colours are compared with the bound of the report.
     explicit StageCheck(VerifyReport& report) : report_(report) {}
 
-    // What a pass left on both sides. `element`: what one of them is called.
+    // Compares the output of a pass on both sides. `element`: name of one of its values in a message.
     template <class T>
     void compare(const char* pass, const char* element, std::span<const T> want, std::span<const T> got) {
         const int64_t at = firstDifference(want, got);
@@ -42,7 +42,7 @@ public:
             what += fmt::format("twin has {} of them, device has {}", want.size(), got.size());
         differs(pass, what);
     }
-    // Colours of the pass illuminate, which may be as far apart as the bound.
+    // Compares colours of the pass illuminate, which may be as far apart as the bound.
     void compareColours(const char* element, std::span<const glm::vec4> want, std::span<const glm::vec4> got);
     // True for the same bits, or values as near as the device's own functions must be.
     bool asNear(float twin, float device, size_t channel) const;
@@ -51,7 +51,7 @@ public:
     void differs(const char* pass, const std::string& what);
 
 private:
-    // The first differing element of two arrays of plain structs, or -1.
+    // Index of the first element that differs, or -1.
     template <class T>
     static int64_t firstDifference(std::span<const T> want, std::span<const T> got) {
         if (want.size() != got.size()) return int64_t(std::min(want.size(), got.size()));

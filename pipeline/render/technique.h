@@ -39,14 +39,14 @@ public:
     PreparedPicture& operator=(const PreparedPicture&) = delete;
 
     const Plan& plan() const { return p_.plan; }
-    // Draws by the plan, and closes it. Null: the twin draws. The side is that for which the picture is prepared.
+    // Draws by the plan, and closes it. Null: the twin draws. The picture must be prepared for that side.
     RenderResult draw(Device* device);
-    // None: pictures of this kind do not stay on the device.
+    // Picture that stays on the device. Null for a technique whose pictures do not.
     virtual std::unique_ptr<ResidentPicture> stay(Device&) { return nullptr; }
     // Prepares anew what depends on the scene's camera and on where its objects stand, and nothing else. False, also after an exception: the
     // picture is not to be drawn any more, and must be prepared as a whole.
     virtual bool place() { return false; }
-    // Compares each pass of the device on the twin's input with the twin, as far as this way to draw has passes to be taken apart.
+    // Compares each pass of the device with the twin, on the twin's input. Does nothing for a technique that is one pass.
     virtual void verifyStages(Device&, StageCheck&) {}
 
 protected:
@@ -63,34 +63,33 @@ inline constexpr uint32_t kPlanesOfLines = kPlaneColour | kPlaneLinear | kPlaneO
 inline constexpr uint32_t kPlanesOfSurfaces = kPlanesSeen & ~uint32_t(kPlaneTriangle);
 
 struct Technique {
-    // The arithmetic that moves vertices to the screen: that of the transform pass, float32 in the lines pass, binary64 on the host, or none at all
-    // because rays meet the surfaces.
+    // Arithmetic that moves vertices to the screen: the transform pass, float32 in the lines pass, binary64 on the host, or none for rays.
     enum class Vertices { transformPass, linesPass, host, none };
 
     const char* name;
-    // Throws, one sentence, for each combination that this way to draw does not have. No device is needed.
+    // Throws, one sentence, for each combination that the technique does not have. Needs no device.
     void (*refuse)(const Scene&, const RenderRequest&);
-    // What its passes take, with the plan of the side.
+    // Input of its passes, and the plan for the side.
     Prepared (*prepare)(const Scene&, const RenderRequest&, RunsOn side);
     std::unique_ptr<PreparedPicture> (*picture)(const Scene&, const RenderRequest&, Prepared);
-    // What of the scene only rays show and a picture of this kind leaves out. Empty: nothing.
+    // Part of the scene that only rays show and a picture of this kind leaves out. Empty: nothing.
     std::string (*leavesToRays)(const Scene&);
     uint32_t planes;                  // Plane bits that its pictures have
-    Vertices vertices;                // of the scene's meshes
-    bool parallel = false;            // projection is parallel: both eyes see the same
+    Vertices vertices;                // arithmetic of the vertices of the scene's meshes
+    bool parallel = false;            // true: parallel projection, in which both eyes see the same
     const char* wholePass = nullptr;  // the one pass that is the whole chain; null: stages are compared one by one, or not at all
 
-    // False for drawings, whose lines are no picture of a surface.
+    // True when its pictures show surfaces. False for drawings of lines.
     bool showsSurfaces() const { return (planes & kPlanesOfSurfaces) == kPlanesOfSurfaces; }
 };
 
-// The first of the table that draws the request.
+// Technique of a request: the first of the table that draws it.
 const Technique& techniqueOf(const Scene& scene, const RenderRequest& request);
-// Throws, one sentence, for what no way to draw has, or not the one that draws the request.
+// Throws, one sentence, for what no technique has, or not the technique of the request.
 void refuse(const Scene& scene, const RenderRequest& request);
-// Refused or prepared. PlainFloats are the caller's.
+// Prepares the picture, or throws as refuse() does. The caller holds a PlainFloats.
 std::unique_ptr<PreparedPicture> pictureOf(const Scene& scene, const RenderRequest& request, RunsOn side);
-// Null: the twin draws.
+// Draws a scene once. `device` null: the twin draws.
 RenderResult render(Device* device, const Scene& scene, const RenderRequest& request);
 
 }  // namespace plumb

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Walks the steps of a plan on the host: their order and presence are the plan's.
+// Walk over the steps of a plan on the host. The plan says which run, and in which order.
 #pragma once
 
 #include "pipeline/render/plan.h"
@@ -17,8 +17,8 @@ struct StepBody {
     std::function<void()> run;
 };
 
-// Runs those of `bodies` that are steps of the plan, in the plan's order, each timed by its name. Steps that are fused in another, and steps without a
-// body here (they belong to another phase of the picture), are passed by; Plan::close() refuses a picture in which one was forgotten.
+// Runs those of `bodies` that are steps of the plan, in the plan's order, each timed by its name. Steps that are fused in another are passed
+// by, and steps without a body, which belong to another phase. Plan::close() refuses a picture in which one was forgotten.
 inline void walk(const Plan& plan, std::vector<PassTime>& times, std::span<const StepBody> bodies) {
     for (const PlanStep& step : plan.steps) {
         if (!step.fusedIn.empty()) continue;

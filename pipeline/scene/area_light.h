@@ -17,12 +17,13 @@ inline constexpr uint32_t kMaxAreaPoints = 4096;
 struct AreaLight {
     glm::dvec3 corner{0}, u{1, 0, 0}, v{0};
     uint32_t pointsU = 1, pointsV = 1;  // pointsU * pointsV <= kMaxAreaPoints
-    glm::vec3 intensity{1.0f};          // of all points together
+    glm::vec3 intensity{1.0f};          // linear RGB of all points together
     Attenuation attenuation = Attenuation::none;
 };
 
-// Point lights of an area light, in the middle of pointsU x pointsV equal cells, along u first: corner + u (i + 1/2) / pointsU + v (j +
-// 1/2) / pointsV. Each has the intensity divided by their number, rounded once. Nothing is random.
+// Point lights of an area light, in the middles of pointsU x pointsV equal cells, along u first. Point (i, j) is at
+//   corner + u (i + 1/2) / pointsU + v (j + 1/2) / pointsV.
+// Each has the intensity divided by their number, rounded once. Nothing is random.
 std::vector<Light> pointsOf(const AreaLight&);
 
 }  // namespace plumb

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Focal length and near plane of a camera, computed in one place only, because their last bits are part of a picture.
+// Focal length and near plane of a camera. They are computed here only, because their last bits are part of a picture.
 #pragma once
 
 #include "pipeline/scene/scene.h"

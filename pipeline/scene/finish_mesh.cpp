@@ -25,7 +25,7 @@ namespace plumb {
 namespace {
 
 // Least area of a face, a corner. A face has no area when its Newell sum is below what binary64 rounding leaves of collinear float32
-// corners: each of n cross products has an error of at most 4 * 2^-53 * L^2, L the longest distance from the first corner.
+// corners. Each of n cross products has an error of at most 4 * 2^-53 * L^2. L is the longest distance from the first corner.
 constexpr double kZeroAreaPerCorner = 0x1p-51;
 
 // Largest condition number sum |w| / |sum w n| of a mean normal; above it the mean has lost 10 bits.

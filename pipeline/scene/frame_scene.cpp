@@ -21,8 +21,8 @@ namespace {
 // Field of view along the shorter side: a 38 mm lens on film 24 mm high. Mild perspective, parallels still converge.
 constexpr double kFovShorterDegrees = 35;
 
-// Share of the shorter side that the larger of the object's two extents covers: inside the promised 35 to 80 %, and far enough from 80 for
-// the half pixels by which a line or a covered sample can exceed the projection.
+// Share of the shorter side that the larger of the object's two extents covers. It is inside the promised 35 to 80 %. A line or a covered
+// sample exceeds the projection by half a pixel, so it stays below 80.
 constexpr double kCoverShorter = 0.72;
 
 // Least distance of the object from the eye, as a share of the object's radius, so that near planes of 2^-10 of the focus distance never
@@ -46,8 +46,8 @@ struct Axes {
     glm::dvec3 right, up, back;  // back: from the framed centre toward the eye
 };
 
-// Front of a mesh: +Z when +Y is up; for another up direction, the smallest rotation that takes +Y there (so -Y is the
-// front when +Z is up, as CAD programs have it). In a left-handed world the front is -Z: the notes' viewer at (0, 0, -d).
+// Front of a mesh: +Z when +Y is up. For another up direction, +Z after the smallest rotation that takes +Y there. So -Y is the front when
+// +Z is up, as CAD programs have it. In a left-handed world the front is -Z: the notes' viewer at (0, 0, -d).
 Axes frontAxes(const Scene& scene) {
     const double length = glm::length(scene.up);
     const glm::dvec3 u = length > 0 ? scene.up / length : glm::dvec3(0, 1, 0);

@@ -35,7 +35,7 @@ struct Material {
 struct PolygonMesh {
     std::string name;
     Positions positions;
-    std::vector<glm::vec3> normals;  // as in the file; need not be unit
+    std::vector<glm::vec3> normals;  // normals as the file has them, of any length
     struct Corner {
         uint32_t position;
         uint32_t normal = kNone;

@@ -16,8 +16,8 @@ inline constexpr double kNearHalfExtents = 4;
 // again (mesh_origin_test).
 inline constexpr int kOriginBits = 3;
 
-// Origin for a mesh whose box is [low, high], axis by axis: 0 where the box is near 0, else its middle on a grid of at least 1/16 of the
-// largest half extent. Not finite, or low above high: 0.
+// Origin for a mesh whose box is [low, high]. An axis has 0 where the box is near 0, else the box's middle on a grid of at least 1/16 of
+// the largest half extent. 0 where a bound is not finite or low is above high.
 glm::dvec3 originOfBox(const glm::dvec3& low, const glm::dvec3& high);
 
 }  // namespace plumb

@@ -9,7 +9,7 @@
 namespace plumb {
 
 struct RayShares {
-    float local = 1, reflect = 0, transmit = 0;  // at most 1 together
+    float local = 1, reflect = 0, transmit = 0;  // weights, 0 to 1; their sum is at most 1
 };
 
 // Kinds of MTL's illum: 3, 5 and 8 mirror; 4, 6, 7 and 9 are glass.

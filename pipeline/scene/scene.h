@@ -67,8 +67,8 @@ struct Camera {
 };
 
 struct Scene {
-    std::string path;    // as given
-    std::string sha256;  // of a scene file's bytes; empty for bare meshes
+    std::string path;    // path of the file as it was given
+    std::string sha256;  // SHA-256 of a scene file's bytes; empty for bare meshes
     std::vector<TriangleMesh> meshes;
     std::vector<Material> materials;  // at least one
     std::vector<Object> objects;      // object_id = index here

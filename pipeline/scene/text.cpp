@@ -208,7 +208,7 @@ static bool parseReal(std::string_view word, Real& value) {
     if (error == std::errc()) return true;
     if (error != std::errc::result_out_of_range) return false;
     // Side of the overflow, which from_chars does not tell: the decimal position of the first digit that is not 0, plus the exponent.
-    // float32 holds up to 3.4e38 and down to 1.4e-45, binary64 more either way, so the sign of the sum decides.
+    // float32 holds 1.4e-45 to 3.4e38 and binary64 more either way, so the sign of the sum decides.
     const bool negative = *at == '-';
     int64_t digits = 0, exponent = 0;
     bool point = false, significant = false;

@@ -38,8 +38,8 @@ std::string placeOfPart(const std::string& place, const std::filesystem::path& f
 enum class Letters { asWritten, anyCase };
 size_t editDistance(std::string_view a, std::string_view b, Letters letters);
 
-// Bytes of a whole file. Refused are: a missing or not regular file (folder, FIFO, device, socket; never opened in a way that blocks); more
-// than `maxBytes`, before anything is allocated; a file that shrinks while it is read.
+// Bytes of a whole file. A missing file is refused, and one that is not regular (folder, FIFO, device, socket), without blocking on it. More
+// than `maxBytes` are refused before anything is allocated. A file that shrinks while it is read is refused.
 std::string readWholeFile(const std::filesystem::path&, uint64_t maxBytes = kMaxFileBytes);
 
 // Name of a text's encoding that no reader takes, by its first bytes: "UTF-16" or "UTF-32"; null for all other bytes.

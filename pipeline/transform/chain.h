@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Chains of transforms in order of application (the first step acts first), and their composite: one matrix that does the same,
-// formed one product after the other or as a tree of products that do not depend on each other.
+// Chains of transforms in order of application (the first step acts first), and their composite, one matrix that does the same. It is
+// formed one product after the other, or as a tree of products that do not depend on each other.
 #pragma once
 
 #include "pipeline/transform/matrix.h"

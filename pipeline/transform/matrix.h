@@ -3,8 +3,8 @@
 //
 // Matrices are for column vectors (matrix * point), as in scene files; rowForm() gives the other notation (point * matrix).
 // Angles are in degrees; multiples of 90 are exact. A positive angle takes +X to +Y (about Z), +Z to +X (about Y) and +Y to +Z
-// (about X). The same numbers serve both handednesses: a positive turn is counter-clockwise seen from the tip of the axis in a
-// right-handed system, from its tail in a left-handed one.
+// (about X). The same numbers serve both handednesses. A positive turn is counter-clockwise seen from the tip of the axis in a
+// right-handed system, and from its tail in a left-handed one.
 #pragma once
 
 #include "pipeline/transform/degrees.h"

@@ -189,8 +189,8 @@ void Geometry::add(uint32_t object, uint32_t index, bool mirrored) {
     t.inverseError = least > 0 ? (totalError / least + largest * (volume.error / least + 4 * kUnit)) * kSecondOrder : INFINITY;
     if (!std::isfinite(t.inverseError)) t.inverseError = INFINITY;
 
-    // Box of the samples that the triangle may cover: its corners, or the polygon that the near plane leaves of it, widened by one sample
-    // more than the corners' errors.
+    // Box of the samples that the triangle may cover. It encloses the corners, or the polygon that the near plane leaves, and is wider by
+    // the corners' errors and one sample.
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     const auto widen = [&](double x, double y, double w, const Corner& by) {
         const double px = x / w, py = y / w;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Visibility at a sample, by rays rather than by edge functions on a grid: the sample's ray r = (X, Y, 1) in camera axes (x to the right
-// and y down times the focal length, w forward) meets the plane of a triangle (a, b, c) at w = D / S, with
-//   E_a = r . (b x c), E_b = r . (c x a), E_c = r . (a x b),   S = E_a + E_b + E_c,   D = a . (b x c);
-// it hits when all E / D >= 0 and w >= near, whatever lies behind the eye: nothing is clipped, and no vertex is snapped. D / |D| says which
-// side is seen. Everything is a polynomial in the scene's numbers. It is computed in binary64 with a running bound; a sign, or an order in
-// depth, that the bound leaves open is found again without rounding (exact.h).
+// Visibility at a sample, by rays rather than by edge functions on a grid. The sample's ray is r = (X, Y, 1) in camera axes: x to the right
+// and y down times the focal length, w forward. It meets the plane of a triangle (a, b, c) at w = D / S, with
+//   E_a = r . (b x c), E_b = r . (c x a), E_c = r . (a x b),   S = E_a + E_b + E_c,   D = a . (b x c).
+// It hits when all E / D >= 0 and w >= near, whatever lies behind the eye. Nothing is clipped, and no vertex is snapped. D / |D| says which
+// side is seen. Everything is a polynomial in the scene's numbers, computed in binary64 with a running bound. A sign or an order in depth
+// that the bound leaves open is found again without rounding (exact.h).
 #pragma once
 
 #include "pipeline/scene/scene.h"

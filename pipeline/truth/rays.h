@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Truth of a traced ray, in binary64 and from the definitions (docs/rays.md): local colour by Phong with a shadow ray to each light, and
-// the mirrored and the refracted ray, to any depth. A ray has bounds of the error of its origin and of its direction; each hit adds to
-// them.
-// Decisions are: met or missed, nearer or farther, which square, lit or not, total reflection. A decision that the bounds leave open and on
-// which a colour depends makes the whole tree of rays be traced again in 64 bits and then in binary128, with the same bounds in their
-// units. A decision that is open even there, such as an exact tie, is counted.
+// Truth of a traced ray, in binary64 and from the definitions (docs/rays.md). It is the local colour by Phong with a shadow ray to each
+// light, and the mirrored and the refracted ray, to any depth. A ray has bounds of the error of its origin and of its direction; each hit
+// adds to them. Decisions are: met or missed, nearer or farther, which square, lit or not, total reflection. Where a colour depends on a
+// decision that the bounds leave open, the whole tree of rays is traced again in 64 bits, and then in binary128. The bounds are the same in
+// their units. A decision that is open even there, such as an exact tie, is counted.
 #pragma once
 
 #include "pipeline/truth/geometry.h"
@@ -26,7 +25,7 @@ struct RayLimits {
 struct RaySeen {
     glm::dvec3 colour{0};  // linear RGB, not clamped; the sky's where nothing is hit
     uint32_t object = kNone, primitive = kNone;
-    double distance = INFINITY;  // from the eye, scene units
+    double distance = INFINITY;  // distance from the eye, scene units
     double leftOut = 0;          // sum of the weights of the rays that were not followed
 };
 

@@ -24,7 +24,7 @@ public:
 
     struct Seen {
         uint32_t sphere = kNone;
-        double depth = 0;      // from the eye along +Z, scene units
+        double depth = 0;      // depth along +Z from the eye, scene units
         glm::dvec3 colour{0};  // linear RGB, not clamped
     };
     // Sample at (x, y) of the screen from its middle, in pixels, y downward: multiples of 2^-10 of magnitude below 2^20.

@@ -288,7 +288,7 @@ private:
     double leftOut_ = 0;
 };
 
-// Positions for the polygon fill of the notes, which stands at whole coordinates: pixel (x, y) is the point (x, y) of the screen, and
+// Positions for the polygon fill of the notes, which works at whole coordinates. Pixel (x, y) is the point (x, y) of the screen, and
 // samples lie around it.
 SamplePositions aroundWholeCoordinates(uint32_t samples) {
     SamplePositions p;

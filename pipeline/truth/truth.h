@@ -14,7 +14,7 @@ namespace plumb {
 
 struct Truth {
     uint32_t width = 0, height = 0, samples = 1;
-    bool traced = false;  // by rays
+    bool traced = false;  // true: rays made it, for Shading::ray
     // Planes by the conventions of docs/outputs.md. Linear colour is the mean of the samples (with a transparent background: of the covered
     // ones), not clamped.
     std::vector<double> linear;  // 3 a pixel
@@ -32,12 +32,13 @@ struct Truth {
 // Truth of a scene. From `request` it takes size, samples, background, transparent, threads, fill, and onProgress (called by one thread;
 // false cancels: Error(interrupted)). The request's shading changes nothing, since the truth is Phong's. A wire frame has no truth here:
 // Error(usage).
-// --fill notes: sample (x, y) of a picture with `drawnSamples` a pixel stands for the point (x, y) of the screen, and the truth's samples
-// lie around it; 0: as many as the truth's. Spheres that --fill notes draws have a truth of their own (spheres.h), in parallel projection.
-// Shading::ray has a truth of its own (rays.h): 64 rays deep and to a weight of 2^-20 (more in a tree of thousands: leftOut), whatever the
-// request's depth and cutoff, colours without noise and without cutting to levels. From the request's rays it takes where they pass through
-// a pixel: grid (also for random positions and for adaptive, whose finest is 16), the pixel's middle, its four corners (their mean), or the
-// notes' corner. Several samples are then those of RayChoices, and the planes hold the sample that the picture's planes hold.
+// --fill notes: sample (x, y) of a picture with `drawnSamples` a pixel stands for the point (x, y) of the screen. The truth's samples lie
+// around it. 0: as many samples as the truth has. Spheres that --fill notes draws have a truth of their own (spheres.h), in parallel
+// projection.
+// Shading::ray has a truth of its own (rays.h), whatever the request's depth and cutoff. It follows 64 rays one after another and weights
+// down to 2^-20 (leftOut: where a tree of thousands ended earlier). Colours have no noise and are not cut to levels. The request says
+// where rays pass through a pixel: the grid, the middle, the four corners (their mean), or the notes' corner. Random positions and
+// adaptive sampling have the grid's truth. The planes hold the sample that the picture's planes hold.
 Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples = 0);
 
 // Code 0 to 255, not rounded: IEC 61966-2-1 of the value clamped to [0, 1].

@@ -22,7 +22,7 @@ struct ColourBound {
 };
 
 // Bound between a picture with the trade of `request` and the picture without any trade. `shown`: either of them, of one sample a pixel,
-// with its planes kPlaneObject and kPlanePrimitive; then the bound is that of the faces in it. None: of every face that may be drawn.
+// with its planes kPlaneObject and kPlanePrimitive. The bound then holds for the faces in it. Null: for every face that may be drawn.
 ColourBound boundOfTrade(const Scene& scene, const RenderRequest& request, const Frame* shown = nullptr);
 
 // Bound between traced pictures that differ in depth and cutoff only, pixel by pixel. A picture that follows more rays adds their colours

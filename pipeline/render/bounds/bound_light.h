@@ -14,7 +14,7 @@ namespace plumb {
 // Distance from a point to the nearest point of a triangle.
 double distanceToTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
-// Positions at which a pixel may be lit: how far from the stated triangle, and how near the light.
+// Points at which a pixel may be lit: their distance from the stated triangle, and from the light.
 //   Corners are snapped to 1/256 px: the point lies on a triangle whose corners stand at most sqrt(2)/512 px aside, at their own depths.
 //   n/w is interpolated in float32: 12 u of the triangle's largest (tests/oracle/fill_oracle_test.cpp), so w is off by 12 u w / least w of
 // itself. 40 u more cover the ray and the reciprocal. float32 may move a corner itself by 2^-20 of the triangle's reach. Rays meet the

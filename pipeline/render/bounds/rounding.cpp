@@ -12,8 +12,8 @@
 #include <bit>
 #include <cmath>
 
-// The contract of illumination once more, with double for float. What it does on the bits of a float has an overload here that says what it means;
-// every function of the contract is a template of nothing, so that these are preferred.
+// The contract of illumination once more, with double for float. Functions that work on the bits of a float have an overload here that
+// computes what they mean. Every function of the contract is a template without parameters, so that overloads are preferred.
 #undef PLUMB_SHADE_H
 #undef SHARED_BEGIN
 #undef SHARED_FN

@@ -12,12 +12,12 @@
 namespace plumb {
 
 struct Rounding {
-    // Rounding in steps of the sRGB code (1/255), before a colour becomes a byte, over the pixels that show something; a pixel counts by
+    // Rounding in steps of the sRGB code (1/255), before a colour becomes a byte. It is taken over the pixels that show something, each by
     // its largest channel.
     double max = 0, mean = 0, rms = 0, p99 = 0;
     uint32_t x = 0, y = 0;  // pixel at which the largest is first met
-    double linearMax = 0;   // in linear light
-    uint64_t pixels = 0;
+    double linearMax = 0;   // largest rounding in linear light
+    uint64_t pixels = 0;    // pixels that show something
 };
 
 // Rounding of `frame`, which `request` drew with kPlaneLinear. None for wire frames, rays, --fill notes, a distant viewer and shading once

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Bound of how far float32 may move a vertex from its position by the file, the object's matrix and the camera, computed before anything is
-// drawn. Snapping to 1/256 px comes on top (docs/accuracy.md).
+// Bound of how far float32 may move a vertex on the screen, computed before anything is drawn. The vertex's right position follows from the
+// file, the object's matrix and the camera. Snapping to 1/256 px comes on top (docs/accuracy.md).
 #pragma once
 
 #include "pipeline/render/render.h"
@@ -15,9 +15,9 @@ namespace plumb {
 inline constexpr double kToldPixels = 0.5;
 
 struct VertexError {
-    uint32_t object = 0;  // of the scene
-    double pixels =
-        0;  // the larger of x and y, over the parts of the object's triangles in the view; +infinity: a depth of 0 is within the bound
+    uint32_t object = 0;  // index in the scene
+    // Error in pixels, the larger of x and y, over the parts of the object's triangles in the view. +infinity: the bound reaches depth 0.
+    double pixels = 0;
     double inBinary64 = 0;  // error with --trade transform=fp64; equal to `pixels` where the request cannot choose it
 };
 

@@ -40,7 +40,7 @@ private:
 
     const Pinhole& view_;
     const double distance_;
-    const double near_;   // of the passes, rounded
+    const double near_;   // near plane of the passes, rounded to float32
     const double zUnit_;  // power of two that brings the viewer's distance to [1, 2): the fill's Z keeps clear of float32's ends
 };
 

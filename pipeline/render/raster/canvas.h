@@ -35,11 +35,11 @@ public:
     void keepBands() { inPlace_ = true; }
 
     const Buffer<glm::uvec4>& colours() const { return colours_; }
-    uint32_t rowPixels() const { return rowQuads_ * 4; }  // of colours(), in samples or resolved pixels
+    uint32_t rowPixels() const { return rowQuads_ * 4; }  // row pitch of colours(), in samples or resolved pixels
     uint32_t resolvedRowPixels() const { return resolvedQuads_ * 4; }
-    std::span<const uint32_t> colourWords() const;         // of the band; of all so far after keepBands(). Row pitch: rowPixels()
-    std::span<const uint32_t> plane(uint32_t slot) const;  // of the sample planes
-    std::span<const uint32_t> resolvedColours() const;     // row pitch: resolvedRowPixels()
+    std::span<const uint32_t> colourWords() const;  // colours of the band, after keepBands() of all bands so far. Row pitch: rowPixels()
+    std::span<const uint32_t> plane(uint32_t slot) const;              // words of a sample plane
+    std::span<const uint32_t> resolvedColours() const;                 // row pitch: resolvedRowPixels()
     std::span<const uint32_t> resolvedLinear(uint32_t channel) const;  // float32
 
 private:
@@ -58,7 +58,7 @@ private:
     const Prepared& prepared_;
     const double watchdogMs_;
     bool inPlace_ = false;      // colours_ holds all bands
-    uint64_t firstColour_ = 0;  // of the band, in colours_
+    uint64_t firstColour_ = 0;  // index of the band's first colour in colours_, in units of 4
     uint32_t rowQuads_ = 0, planeQuads_ = 0, resolvedQuads_ = 0, resolvedRows_ = 0, planes_ = 0;
     Buffer<uint32_t> encodeTable_;
     Buffer<glm::uvec4> tileBuffer_, aloneBuffer_, colours_, planeBuffer_, resolved_;

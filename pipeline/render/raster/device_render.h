@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The device draws: bands of rows, chunks of triangles. The usual frame is one band and one chunk, each pixel written once; more
-// chunks keep z, triangle and colour in planes between them, and give the same bytes.
+// The device draws: bands of rows, chunks of triangles. The usual frame is one band and one chunk, and each pixel is written once. Several
+// chunks keep z, triangle and colour in planes between them. They give the same bytes.
 #pragma once
 
 #include "pipeline/render/planes.h"
@@ -39,7 +39,7 @@ private:
 
     bool normalsApart(uint32_t planes) const;
 
-    uint64_t chunkTriangles(uint32_t planes) const;  // of one upload
+    uint64_t chunkTriangles(uint32_t planes) const;  // triangles of one upload
     FillChoices colourChoices(uint32_t planes, bool prior) const;
     void drawColours(uint32_t planes, bool prior);
 

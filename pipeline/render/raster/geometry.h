@@ -19,10 +19,10 @@ void put(Device& device, Buffer<T>& buffer, std::span<const T> from, const char*
     buffer.upload(from);
 }
 
-// Where the set-up pass lists small triangles.
+// Tile lists in which the set-up pass puts small triangles.
 struct SetupTiles {
-    uint32_t tilesX = 0;  // 0: it lists none
-    uint32_t room = 0;    // of a tile
+    uint32_t tilesX = 0;  // tiles in a row; 0: it lists none
+    uint32_t room = 0;    // entries a tile
     const Buffer<uint32_t>& tiles;
     const Buffer<uint32_t>& entries;
     const Buffer<uint32_t>& overflow;  // bits of triangles that a full tile did not take
@@ -33,15 +33,15 @@ public:
     Geometry(Device& device, Recorder& recorder, const Prepared& prepared, const Budget& budget, double watchdogMs)
         : device_(device), recorder_(recorder), prepared_(prepared), budget_(budget), watchdogMs_(watchdogMs) {}
 
-    // Buffers grow as needed. The chunk stays the caller's until the next one.
+    // Uploads a chunk; buffers grow as needed. The chunk must live until the next upload.
     void upload(const DrawList& chunk);
     // Uploads what of the chunk depends on the camera, and on where its objects stand. `objects`: they stand elsewhere.
     void uploadView(bool objects);
     // Runs transform, illuminate and cull. `normals`: the attributes are world normals whatever the shading (normal plane).
     void transformAndCull(bool normals);
-    // The host's step: which triangles are drawn, and where. Throws TooLarge before anything is written.
+    // Runs the host's step: gives each drawn triangle its slot. Throws TooLarge before anything is written.
     void place();
-    // Set-up, recorded only where nothing is clipped, and clip.
+    // Records set-up; where something is clipped, runs it and clip.
     void setUp(const SetupTiles& tiles);
 
     const DrawList& chunk() const { return *chunk_; }
@@ -49,7 +49,7 @@ public:
     bool wide() const { return wide_; }  // a triangle is too large for the fill's short arithmetic
     uint64_t clippedDrawn() const { return clippedDrawn_; }
 
-    // What a step left, and what the next one reads.
+    // Buffers that a step writes and the next one reads.
     Buffer<gpu::ScreenVertex>& screen() { return screen_; }
     Buffer<glm::vec4>& attributes() { return attributes_; }
     Buffer<glm::vec4>& faceColours() { return faceColours_; }

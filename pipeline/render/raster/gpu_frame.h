@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The device's side of a frame, step by step: the geometry of a chunk, the tiles of a band, the canvas of a band. Each step submits and waits; between
-// steps the host adds up counts and completes lists, so no list loses an entry (decision 5). verify puts the twin's output between the steps.
+// The device's side of a frame, step by step: the geometry of a chunk, the tiles of a band, the canvas of a band. Each step submits and
+// waits. Between steps the host adds up counts and completes lists, so no list loses an entry (decision 5). verify puts the twin's output
+// between the steps.
 //
 // Steps of a frame, and what each writes:
 //   upload()            the chunk: vertices, triangles, objects, materials, lights
@@ -24,7 +25,7 @@ namespace plumb {
 class GpuFrame {
 public:
     GpuFrame(Device& device, const Prepared& prepared, double watchdogMs);
-    GpuFrame(const GpuFrame&) = delete;  // its parts share the recorder
+    GpuFrame(const GpuFrame&) = delete;  // the parts keep references to the recorder
     GpuFrame& operator=(const GpuFrame&) = delete;
 
     void prepare(const FillChoices& choices, uint32_t planes) { canvas_.prepare(choices, planes); }
@@ -67,7 +68,7 @@ public:
     uint64_t binEntries() const { return tiles_.entryCount(); }
     bool binned() const { return tiles_.binned(); }
     uint32_t overflowedTiles() const { return tiles_.overflowed(); }
-    size_t stripCount() const { return tiles_.stripCount(); }  // of the last bin()
+    size_t stripCount() const { return tiles_.stripCount(); }  // strips of the last bin()
 
     // Buffers for verify: the output of a step, and the input of the next.
     std::span<gpu::ScreenVertex> screen() { return geometry_.screen().span(); }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The buffers through which a step of the raster reads what the steps before it left. verify and the twin tests fill the device's from the twin's, so
-// that each pass is compared on the twin's input.
+// Copies from the twin's buffers to the device's, between the steps of the raster. verify and the twin tests compare each pass on the
+// twin's input in this way.
 #pragma once
 
 #include "pipeline/render/raster/gpu_frame.h"
@@ -8,9 +8,9 @@
 
 namespace plumb {
 
-// What cull left, and the passes before it: the input of setup().
+// Copies the output of cull and of the passes before it: the input of setup().
 void handOverCulled(const TwinGeometry& twin, const DrawList& list, GpuFrame& frame);
-// What setup() left, clipped corners included: the input of bin() and fill().
+// Copies the output of setup(), clipped corners included: the input of bin() and fill().
 void handOverSetUp(const TwinGeometry& twin, GpuFrame& frame);
 
 }  // namespace plumb

@@ -7,7 +7,7 @@
 
 namespace plumb {
 
-// One chunk (the whole list where it fits): chunks and bands are compared by the whole chain.
+// Compares the passes on one chunk, which is the whole list where that fits. Chunks and bands are compared by the whole chain.
 void verifyRasterStages(Device& device, const Prepared& prepared, const RenderRequest& request, StageCheck& check);
 
 }  // namespace plumb

@@ -29,10 +29,10 @@ public:
     // Lists of the chunk in the band. Throws TooLarge.
     void bin(Geometry& geometry);
 
-    std::span<const glm::uvec4> records() const { return tileRecords_; }  // of tiles with a list: x | y << 16, first entry, entries
+    std::span<const glm::uvec4> records() const { return tileRecords_; }  // tiles with a list: x | y << 16, first entry, entries
     const Buffer<uint32_t>& entries() const { return entries_; }
     uint64_t entryCount() const { return binEntries_; }
-    TileLists lists() const;  // of the last bin(), each ascending
+    TileLists lists() const;  // lists of the last bin(), each ascending
     gpu::BinPush pushFor(const Geometry& geometry) const;
 
     // Limits the entries of a tile's list (tests of overflow).
@@ -52,7 +52,8 @@ private:
     const double watchdogMs_;
     gpu::FrameBox band_{};
     uint32_t tilesX_ = 0, tilesY_ = 0;
-    uint32_t room_ = 0, mostRoom_ = 0xffffffffu, overflowed_ = 0;  // of the tiles' lists
+    uint32_t room_ = 0, mostRoom_ = 0xffffffffu,
+             overflowed_ = 0;  // entries a list has, and may have at most; overflowed tiles of the last bin()
     uint64_t binEntries_ = 0;
     bool binned_ = false;  // tiles_ and entries_ hold the small triangles of the chunk in this band
     std::vector<glm::uvec4> strips_;

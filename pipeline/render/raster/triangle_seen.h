@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a picture of triangles shows at a pixel: from the z and the triangle of the sample that stands for it, by the same host code for device and twin.
+// Values of the planes of a picture of triangles at a pixel, from z and triangle of the sample that stands for it. Device and twin use this
+// same host code.
 #pragma once
 
 #include "pipeline/render/planes.h"
@@ -52,7 +53,7 @@ private:
     uint32_t x_ = 0, y_ = 0, triangle_ = 0;
     float z_ = 0;
     glm::vec3 normal_{0};
-    mutable size_t range_ = 0;  // of the last pixel's object; neighbours often show the same one
+    mutable size_t range_ = 0;  // range of the last pixel's object; neighbours often show the same one
 };
 
 }  // namespace plumb

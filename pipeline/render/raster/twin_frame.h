@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The twin, pass by pass: what every pass of a draw list leaves, kept so that the device can be compared with it.
+// The twin, pass by pass. It keeps the output of every pass, so that the device can be compared with it.
 #pragma once
 
 #include "pipeline/passes/bin.h"
@@ -15,23 +15,24 @@ namespace plumb {
 struct TwinGeometry {
     std::vector<gpu::ScreenVertex> screen;  // vertices, then clipped corners
     std::vector<glm::vec4> attributes;      // normals or vertex colours, then clipped corners
-    std::vector<glm::vec4> faceColours;     // flat
+    std::vector<glm::vec4> faceColours;     // one colour a face; flat shading only
     std::vector<gpu::CullRecord> records;
     DrawPlaces places;
     std::vector<gpu::DrawTriangle> draws;
     std::vector<uint32_t> clipKinds;
-    std::vector<glm::vec4> clipSpace;  // of vertices, unless they are transformed in float32
+    std::vector<glm::vec4> clipSpace;  // clip-space vertices, unless they are transformed in float32
 };
 
-// The passes of the geometry, each on what those before it left in `geometry`. `normals`: attributes are world normals whatever the shading.
+// The passes of the geometry. Each reads what those before it left in `geometry`. `normals`: attributes are world normals whatever the
+// shading.
 class TwinPasses {
 public:
     TwinPasses(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads, TwinGeometry& geometry);
-    bool illuminates() const;  // vertices or faces
+    bool illuminates() const;  // true when vertices or faces get colours
     void transform();
     void illuminate();
     void cull();
-    void setUp();  // and clip
+    void setUp();  // set-up and clip
 
 private:
     const DrawList& list_;
@@ -41,7 +42,7 @@ private:
     TwinGeometry& g_;
 };
 
-// All of them on the whole list.
+// Runs all passes on the whole list.
 TwinGeometry twinGeometry(const DrawList& list, const FillChoices& choices, bool normals, uint32_t threads);
 
 }  // namespace plumb

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rays from the eye: what they meet, and what they are followed by.
+// The technique of traced rays.
 #pragma once
 
 #include "pipeline/render/technique.h"
@@ -10,7 +10,7 @@ namespace plumb {
 
 extern const Technique kRays;
 
-// What a material of an object or a sphere asks for. Empty: no material asks for rays.
+// Reason to trace a scene that a material of an object or a sphere gives. Empty: no material asks for rays.
 std::string raysAskedByMaterials(const Scene& scene);
 
 }  // namespace plumb

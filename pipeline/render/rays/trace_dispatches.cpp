@@ -129,8 +129,8 @@ double TraceDispatches::untilDone(gpu::TracePush& push, const TraceChoices& choi
     return longestMs;
 }
 
-// How many steps the walks of a path take together is not known before. Where they were too many, a sample follows fewer rays in a
-// dispatch from here on, and the others wait in its list; false where it follows one already, or keeps whole paths.
+// How many steps the walks of a path take together is not known before. Lowers the number of rays that a sample follows in a dispatch; the
+// others wait in its list. False where it follows one already, or keeps whole paths.
 bool TraceDispatches::shorten(gpu::TracePush& push, TraceChoices& choices) {
     if (choices.cutLevels || (choices.list && push.rayLimit == 1)) return false;
     push_.rayLimit = push.rayLimit = std::max(1u, std::min(push.rayLimit, kListedRaysPerDispatch) / 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The trace pass in dispatches that stay short: how many samples each takes, and what happens to rays that are still waiting.
+// The trace pass in short dispatches. It chooses how many samples each takes, and goes on with rays that are still waiting.
 #pragma once
 
 #include "pipeline/render/rays/trace_samples.h"
@@ -18,7 +18,7 @@ public:
 
     void upload();
     bool uploaded() const { return bool(buffers_.spheres); }
-    // Samples [begin, end) of a frame of `all`, until none has a ray waiting.
+    // Traces the samples [begin, end) of a frame of `all` samples, until none has a ray waiting.
     void trace(gpu::TracePush& push, TraceChoices choices, uint64_t begin, uint64_t end, double all);
 
     template <class T>
@@ -28,12 +28,12 @@ public:
         buffer.upload(from);
     }
 
-    // Push and choices of the picture: the caller sets planes, rows and pitch.
+    // Push constants and choices of the picture. The caller sets planes, rows and pitch.
     gpu::TracePush& push() { return push_; }
     TraceChoices& choices() { return choices_; }
     TraceBuffers& buffers() { return buffers_; }
     const TraceScene& scene() const { return traced_; }
-    std::vector<uint64_t>& counters() { return counters_; }  // gpu::kCounters, of all dispatches
+    std::vector<uint64_t>& counters() { return counters_; }  // gpu::kCounters words, summed over all dispatches
 
 private:
     void chooseForm(const Scene& scene);
@@ -51,8 +51,8 @@ private:
     gpu::TracePush push_;
     TraceBuffers buffers_;
     std::vector<uint64_t> counters_;
-    uint64_t samples_ = 0, mostSamples_;  // of a dispatch
-    bool warm_ = false;                   // the kernel has been compiled
+    uint64_t samples_ = 0, mostSamples_;  // samples of a dispatch
+    bool warm_ = false;                   // true: the kernel has been compiled
 };
 
 }  // namespace plumb

@@ -12,11 +12,12 @@
 
 namespace plumb {
 
-// Records of what rays meet, and what the kernel may leave out. Throws Error(input) for what is beyond the stated limits.
+// Records of the scene for rays. Throws Error(input) for a scene beyond the stated limits. traceChoicesOf(): parts of the kernel that this
+// scene needs.
 TraceScene traceSceneOf(const Scene& scene, const Prepared& prepared);
 TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, const Prepared& prepared, const TraceScene& traced);
 
-// Rays and records of a frame; which samples, and the pitch of the buffers, are the caller's.
+// Push constants of a frame. The caller sets the samples and the pitch of the buffers.
 gpu::TracePush tracePushOf(const Prepared& prepared, const RenderRequest& request, const TraceScene& traced);
 
 // Loop iterations that one ray costs on the device at most, shadow rays included.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What both sides of a traced picture share: how samples lie, which pixels need more of them, planes of the frame from samples.
+// Code that both sides of a traced picture share: the layout of samples, the pixels that need more of them, and planes from samples.
 #pragma once
 
 #include "pipeline/render/planes.h"
@@ -28,15 +28,15 @@ SampleGrid sampleGridOf(const Prepared& prepared, const RenderRequest& request);
 
 // Sampling::adaptive: side of the grid of samples of a pixel whose corners differ.
 inline constexpr uint32_t kFineSide = 4;
-// x | y << 16 of the pixels of a band whose corners differ by more than kCornerLevels in an encoded channel, or are not all covered or all bare.
-// colour(x, y) and covered(x, y) are of sample y of the band.
+// Pixels of a band that need more samples, as x | y << 16. Their corners differ by more than kCornerLevels in an encoded channel, or some
+// are covered and some not. colour(x, y) and covered(x, y) take column and row of a sample in the band.
 std::vector<uint32_t> pixelsWithDifferentCorners(uint32_t width, uint32_t firstRow, uint32_t rows, uint32_t encoding,
                                                  const std::function<glm::vec3(uint32_t, uint32_t)>& colour,
                                                  const std::function<bool(uint32_t, uint32_t)>& covered, uint32_t threads);
-// The push of `count` such pixels: kFineSide rows of their samples.
+// Push constants for `count` pixels with more samples: kFineSide rows of samples each.
 gpu::TracePush finePushOf(const gpu::TracePush& push, uint32_t count);
 
-// What a traced picture shows at a pixel, from the distance and the object of the sample that stands for it.
+// Values of a traced picture's planes at a pixel, from the distance and the object of the sample that stands for it.
 class RaySeen : public SeenNothing {
 public:
     RaySeen(const Prepared& prepared, const Scene& scene, const RenderRequest& request, const SampleGrid& grid);
@@ -51,7 +51,7 @@ public:
 
 private:
     uint32_t wholeShapes() const { return uint32_t(scene_.spheres.size() + scene_.planes.size()); }
-    uint32_t meshObject() const;  // of a triangle
+    uint32_t meshObject() const;  // object of the scene that triangle object_ belongs to
 
     const Prepared& p_;
     const Scene& scene_;
@@ -64,7 +64,7 @@ private:
 };
 
 void countParts(const TraceScene& traced, RenderCounters& counters);
-// `words`: gpu::kCounters of the pass.
+// Adds the pass's counters to `counters`. `words`: gpu::kCounters of them.
 void addRayCounts(std::span<const uint64_t> words, uint32_t maxDepth, RenderCounters& counters);
 void reportTrace(const RenderRequest& request, double done);
 
