@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Errors. One exception type knows the exit code of the command. It is thrown where the fault is found and caught in main, and in the
-// few kinds of places that decision 114 lists.
+// few kinds of code that decision 114 lists.
 #pragma once
 
 #include <cstdio>
@@ -41,8 +41,8 @@ public:
     explicit LoopBudgetError(const std::string& message) : Error(Exit::failed, message) {}
 };
 
-// Error of refused user input: `place` is "file:line:column", "file: byte N" or "file: /json/pointer".
-inline Error inputError(const std::string& place, const std::string& message) { return Error(Exit::input, place + ": " + message); }
+// Error of refused user input: `location` is "file:line:column", "file: byte N" or "file: /json/pointer".
+inline Error inputError(const std::string& location, const std::string& message) { return Error(Exit::input, location + ": " + message); }
 inline Error usageError(const std::string& message) { return Error(Exit::usage, message); }
 inline Error deviceError(const std::string& message) { return Error(Exit::device, message); }
 inline Error renderError(const std::string& message) { return Error(Exit::failed, message); }

@@ -94,7 +94,7 @@ uint writeFan(ClipJob job, bool mine) {
                 drawnCount++;
             }
         }
-        if (mine) draws[job.place + i] = d;
+        if (mine) draws[job.slot + i] = d;
     }
     return wide | (drawnCount << 1u);
 }

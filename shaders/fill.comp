@@ -56,11 +56,11 @@ layout(binding = 9) uniform usamplerBuffer encodeTable;
 layout(binding = 10, scalar) buffer Colours { uvec4 colours[]; };
 layout(binding = 11, scalar) buffer Planes { uvec4 planes[]; };
 
-#ifdef PLUMB_VECTORS                                // directions of faces or vertices; by choice only
-layout(constant_id = 30) const uint kVectors = 1u;  // kVectorsFace or kVectorsVertex
-layout(binding = 12) uniform samplerBuffer places;  // of each triangle of the chunk: its face's centre, relative to the eye
-Toward towardEye[4];                                // of each row of pixels
-Toward towardLamp[kUnrolledLights * 4u];            // 4 light + row
+#ifdef PLUMB_VECTORS                                         // directions of faces or vertices; by choice only
+layout(constant_id = 30) const uint kVectors = 1u;           // kVectorsFace or kVectorsVertex
+layout(binding = 12) uniform samplerBuffer triangleCentres;  // of each triangle of the chunk: its face's centre, relative to the eye
+Toward towardEye[4];                                         // of each row of pixels
+Toward towardLamp[kUnrolledLights * 4u];                     // 4 light + row
 
 // Takes the direction of one triangle to the pixels that show it (`here`). `from`: directions at the corners in components 0 to 2, or one
 // direction in all.

@@ -68,24 +68,24 @@ Toward eyeHere;
 Toward lampsHere[kUnrolledLights];
 
 void seeTriangle(uvec4 d) {
-    vec4 face = texelFetch(places, int(d.w));
-    Place place = Place(vec4(face.x), vec4(face.y), vec4(face.z));
+    vec4 face = texelFetch(triangleCentres, int(d.w));
+    Position position = Position(vec4(face.x), vec4(face.y), vec4(face.z));
     if (kVectors == kVectorsVertex) {
         uvec4 c0 = texelFetch(screen, int(d.x));
         uvec4 c1 = texelFetch(screen, int(d.y));
         uvec4 c2 = texelFetch(screen, int(d.z));
-        place = placeOfCorner(ivec4(c0.x, c1.x, c2.x, c2.x), ivec4(c0.y, c1.y, c2.y, c2.y), uintBitsToFloat(uvec4(c0.z, c1.z, c2.z, c2.z)),
-                              push.near, push.rayOrigin, push.rayX, push.rayY);
+        position = positionOfCorner(ivec4(c0.x, c1.x, c2.x, c2.x), ivec4(c0.y, c1.y, c2.y, c2.y),
+                                    uintBitsToFloat(uvec4(c0.z, c1.z, c2.z, c2.z)), push.near, push.rayOrigin, push.rayX, push.rayY);
     }
-    eyeHere = eyeFrom(place);
+    eyeHere = eyeFrom(position);
     [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) if (i < kLightCount) lampsHere[i] =
-        lampFrom(lampPlaces[i], lampIntensities[i].w, place);
+        lampFrom(lampPositions[i], lampIntensities[i].w, position);
 }
 
 void interpolateVectors(int r, bvec4 here) {
     Shares shares = sharesOf(visible.w.x, visible.w.y, visible.w.z, edgeOne(r), edgeTwo(r), edgeThree(r));
     if (kSpecular) interpolateVector(towardEye[r], eyeHere, shares, here);
-    [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) if (i < kLightCount && lampPlaces[i].w != 0.0)
+    [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) if (i < kLightCount && lampPositions[i].w != 0.0)
         interpolateVector(towardLamp[4u * i + uint(r)], lampsHere[i], shares, here);
 }
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Visibility in the fill kernel: the triangles of a tile's list, and which of them each pixel shows (fill.comp).
 
-// Alone in its tile, with nothing drawn before, a triangle wins wherever it covers: z > 0 is asked for only where a plane or a light's place needs it.
+// Alone in its tile, with nothing drawn before, a triangle wins wherever it covers: z > 0 is asked for only where a plane or a light's position needs it.
 const bool kAsksDepth = !kOne || kPrior || kPointLights || kPlanes != 0u;
 
 // One triangle at the 16 pixels of this invocation: q, a, b of its edges at the block's first pixel.

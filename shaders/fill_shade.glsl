@@ -8,7 +8,7 @@ Colour unlit[5];
 Reflectance reflects[5];
 Surface surfaces[5];
 Colour shades[5];
-vec4 lampPlaces[kUnrolledLights], lampIntensities[kUnrolledLights];  // the lights that are constants in number and kind
+vec4 lampPositions[kUnrolledLights], lampIntensities[kUnrolledLights];  // the lights that are constants in number and kind
 
 ShadeParts parts() { return ShadeParts(kDiffuse, kSpecular, kPointLights, kPower); }
 
@@ -20,7 +20,7 @@ void readLamps() {
     [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) {
         if (i < kLightCount) {
             int from = (int(push.firstLight) + int(i)) * kLightTexels;
-            lampPlaces[i] = vec4(texelFetch(lights, from).xyz, lightIsAPlace(kLightKinds, i));
+            lampPositions[i] = vec4(texelFetch(lights, from).xyz, lightIsAPoint(kLightKinds, i));
             lampIntensities[i] = vec4(texelFetch(lights, from + 1).xyz, lightAttenuation(kLightKinds, i));
         }
     }
@@ -81,7 +81,7 @@ Colour sumBefore(int y) {
     return c;
 }
 
-// The unit normal, the way to the eye and the place of a row's pixels; returns what lights are added to.
+// The unit normal, the way to the eye and the position of a row's pixels; returns what lights are added to.
 Colour seeLit(int r, int row, Real x, Real share, ivec4 depth, inout Surface surface) {
     float y = float(pixel.y + row) + 0.5;
     Colour c = unlit[r];
@@ -157,15 +157,15 @@ void addFewLights(int r) {
 #ifdef PLUMB_VECTORS
     [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) {
         if (i < kLightCount) {
-            if (lampPlaces[i].w != 0.0)
+            if (lampPositions[i].w != 0.0)
                 addLightFrom(towardLamp[4u * i + uint(r)], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
             else
-                addLight(lampPlaces[i], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
+                addLight(lampPositions[i], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
         }
     }
 #else
     [[unroll]] for (uint i = 0u; i < kUnrolledLights; ++i) if (i < kLightCount)
-        addLight(lampPlaces[i], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
+        addLight(lampPositions[i], lampIntensities[i], surfaces[r], reflects[r], parts(), shades[r]);
 #endif
 }
 

@@ -50,8 +50,8 @@ uint listIn(ivec2 p0, ivec2 p1, ivec2 p2, bool drawn, uint slot) {
 
 void main() {
     uint item = itemIndex();
-    uint source = texelFetch(sources, int(min(item, push.placeCount - 1u))).x;
-    bool drawn = item < push.placeCount && source != kNoTriangle;
+    uint source = texelFetch(sources, int(min(item, push.slotCount - 1u))).x;
+    bool drawn = item < push.slotCount && source != kNoTriangle;
     source = drawn ? source : 0u;
     uvec4 corners = texelFetch(triangles, int(source));
     ivec2 p0 = ivec2(texelFetch(screen, int(corners.x)).xy);
@@ -66,7 +66,7 @@ void main() {
     if (kBin) {
         bool back = kBothSides && facing(p0, p1, p2) < 0;
         uint overflowed = listIn(p0, back ? p2 : p1, back ? p1 : p2, drawn, item);
-        if (item < push.placeCount) overflow[item] = overflowed;
+        if (item < push.slotCount) overflow[item] = overflowed;
     }
     finish(push.statusSlot, 0u);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One invocation one sample. A path that has one child at most loops in registers; where a hit has two, the refracted one waits in the
 // sample's own list (kList), which also lets a long tree go on in the next dispatch.
-// Loops that end at a different place in each invocation are `while`: a divergent do..while inside another loop goes wrong on lavapipe. The outer
+// Loops that end after a different trip in each invocation are `while`: a divergent do..while inside another loop goes wrong on lavapipe. The outer
 // loop is do..while, and so is what runs equally often in all invocations: a `while` of lavapipe runs its body once more than it has to.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -158,19 +158,19 @@ uint encode(float x) {
 }
 
 // Column and row of a sample in the frame.
-uvec2 placeOf(uint column, uint row) {
-    uvec2 place = uvec2(column, row);
+uvec2 samplePosition(uint column, uint row) {
+    uvec2 position = uvec2(column, row);
     if (kListed) {
         uint pixel = texelFetch(pixels, int(column / kSide)).x;
-        place = uvec2((pixel & 0xffffu) * kSide + column % kSide, (pixel >> 16) * kSide + row);
+        position = uvec2((pixel & 0xffffu) * kSide + column % kSide, (pixel >> 16) * kSide + row);
     }
-    return place;
+    return position;
 }
-uint keyAt(uvec2 place) { return hasKeys() ? keyOfSample(place.x, place.y, push.seed) : 0u; }
-vec3 eyeDirection(uvec2 place) {
-    uint key = keyAt(place);
-    return primaryDirection(push.rayOrigin, push.rayX, push.rayY, columnOf(kSampling, place.x, kSide, key),
-                            rowOf(kSampling, place.y, kSide, key));
+uint keyAt(uvec2 position) { return hasKeys() ? keyOfSample(position.x, position.y, push.seed) : 0u; }
+vec3 eyeDirection(uvec2 position) {
+    uint key = keyAt(position);
+    return primaryDirection(push.rayOrigin, push.rayX, push.rayY, columnOf(kSampling, position.x, kSide, key),
+                            rowOf(kSampling, position.y, kSide, key));
 }
 
 #include "trace_hit.glsl"
@@ -294,8 +294,8 @@ void writeSample(uint word) {
 
 // Begins a sample with its ray from the eye.
 void beginSample(uint item, uint column, uint row) {
-    uvec2 place = placeOf(column, row);
-    ray = PathRay(vec3(0.0), eyeDirection(place), 1.0, kNoObject, false, 1u, kCountPrimary, keyAt(place));
+    uvec2 position = samplePosition(column, row);
+    ray = PathRay(vec3(0.0), eyeDirection(position), 1.0, kNoObject, false, 1u, kCountPrimary, keyAt(position));
     colour = vec3(0.0);
     waits = 0u;
     rays = 0u;
@@ -373,16 +373,17 @@ void main() {
         firstRow = push.firstItem / push.width;
         rows = push.tileRows;
     } else {
-        uint place = push.firstItem + item;
-        row = place / push.width;
-        column = place - row * push.width;
+        uint number = push.firstItem + item;
+        row = number / push.width;
+        column = number - row * push.width;
     }
     EyeHit eye = EyeHit(kFarthestHit, kNoObject);
     EyeHit eye2 = eye;
 #ifdef PLUMB_BALLOT
     if (kEyeTogether) {
-        uvec2 place = placeOf(column, firstRow + min(row, rows - 1u));
-        nearestOfEyeRays(eyeDirection(place), eyeDirection(kTurns == 2u ? placeOf(column, firstRow + min(row + 2u, rows - 1u)) : place),
+        uvec2 position = samplePosition(column, firstRow + min(row, rows - 1u));
+        nearestOfEyeRays(eyeDirection(position),
+                         eyeDirection(kTurns == 2u ? samplePosition(column, firstRow + min(row + 2u, rows - 1u)) : position),
                          push.first != 0u, eye, eye2);
     }
 #endif

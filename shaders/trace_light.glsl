@@ -46,8 +46,8 @@ void dimByMeshes(ShadowRay shadowRay, bool sent, inout float passed) {
 }
 
 // Returns the share of a light that reaches `hit`. `lit`: true when the hit asks for this light.
-float shareOfLight(int light, vec4 place, bool lit) {
-    ShadowRay shadowRay = shadowRayTo(place, hit.before);
+float shareOfLight(int light, vec4 lamp, bool lit) {
+    ShadowRay shadowRay = shadowRayTo(lamp, hit.before);
     bool above = dot3(hit.seen, shadowRay.direction) > 0.0 && dot3(hit.n, shadowRay.direction) > 0.0;
     shadowRays += lit && above ? 1u : 0u;
     if (kJitterShadow != 0u)
@@ -84,10 +84,10 @@ Colour localColour(bool local) {
     if (kLights) do {
             bool lit = local && light < lightCount;
             if (lit || together()) {
-                vec4 place = lightTexel(light, 0);
+                vec4 lamp = lightTexel(light, 0);
                 vec4 intensity = lightTexel(light, 1);
-                float passed = shareOfLight(light, place, lit);
-                addLight(place, vec4(intensity.xyz * passed, intensity.w), surface, k, parts, c);
+                float passed = shareOfLight(light, lamp, lit);
+                addLight(lamp, vec4(intensity.xyz * passed, intensity.w), surface, k, parts, c);
             }
             light++;
         } while (!kOneLight && light < lightCount);

@@ -287,7 +287,7 @@ goal: at most {facts["slope_goal"]}. Each point is a process of its own; its pea
 {text["growth"]}
 ## From exec to a written PNG
 
-Suzanne, 3936 triangles, three lights, 640x480; a new process each time. The others draw the same mesh from the same place, with their own shading.
+Suzanne, 3936 triangles, three lights, 640x480; a new process each time. The others draw the same mesh from the same viewpoint, with their own shading.
 
 {text["start"]}
 {text["parts"]}"""

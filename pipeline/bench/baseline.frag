@@ -21,11 +21,11 @@ LIGHT(1, 10)
 LIGHT(2, 18)
 LIGHT(3, 26)
 
-vec3 lightOf(float kind, vec3 place, vec3 intensity, float fade, vec3 n, vec3 v, vec3 p) {
-    vec3 l = place;
+vec3 lightOf(float kind, vec3 position, vec3 intensity, float fade, vec3 n, vec3 v, vec3 p) {
+    vec3 l = position;
     float weaker = 1.0;
     if (kind != 0.0) {
-        l = place - p;
+        l = position - p;
         float inverse = inversesqrt(dot(l, l));
         l *= inverse;
         weaker = fade == 0.0 ? 1.0 : fade == 1.0 ? inverse : inverse * inverse;

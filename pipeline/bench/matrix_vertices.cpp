@@ -119,9 +119,9 @@ private:
         onDevice(
             "device, one composite", Kind::device, [this] { recordVertices(recorder_, device_.limits(), 1, count_, in_, one_, out_); }, 1,
             [this] { verticesCpu(oneRows_, vertices_, twin_, threads_); });
-        onDeviceLong("device, one composite, block-scaled integers", Numbers::blockInteger);
+        onDeviceLong("device, one composite, block-scaled integers", Precision::blockInteger);
         if (const std::string lacks = lacksBinary64(device_); lacks.empty())
-            onDeviceLong("device, one composite, binary64", Numbers::fp64);
+            onDeviceLong("device, one composite, binary64", Precision::fp64);
         else
             table_.absent.push_back("device, one composite, binary64: " + lacks);
         onDevice(
@@ -193,10 +193,10 @@ private:
         ways_.back().products = matrices * count_, ways_.back().steps = matrices;
     }
 
-    void onDeviceLong(const std::string& name, Numbers numbers) {
+    void onDeviceLong(const std::string& name, Precision precision) {
         onDevice(
-            name, Kind::device, [this, numbers] { recordLongVertices(recorder_, device_.limits(), numbers, count_, in_, long_, out_); }, 1,
-            [this, numbers] { longVerticesCpu(numbers, longRecord_, vertices_, twin_, threads_); });
+            name, Kind::device, [this, precision] { recordLongVertices(recorder_, device_.limits(), precision, count_, in_, long_, out_); },
+            1, [this, precision] { longVerticesCpu(precision, longRecord_, vertices_, twin_, threads_); });
     }
 
     void parallel(const std::function<void(std::span<const glm::vec4>, std::span<glm::vec4>)>& work) {

@@ -60,12 +60,12 @@ void verticesCpu(std::span<const gpu::Rows> matrices, std::span<const glm::vec4>
     });
 }
 
-void longVerticesCpu(Numbers numbers, const gpu::LongRecord& composite, std::span<const glm::vec4> in, std::span<glm::vec4> out,
+void longVerticesCpu(Precision precision, const gpu::LongRecord& composite, std::span<const glm::vec4> in, std::span<glm::vec4> out,
                      uint32_t threads) {
-    PLUMB_ASSERT(numbers != Numbers::fp32);
+    PLUMB_ASSERT(precision != Precision::fp32);
     parallelBands(in.size(), 65536, threads, [&](uint64_t begin, uint64_t end) {
         for (uint64_t i = begin; i < end; ++i)
-            out[i] = glm::vec4(numbers == Numbers::fp64 ? gpu::doubleClip(composite, in[i]) : gpu::blockClip(composite, in[i]), 1.0f);
+            out[i] = glm::vec4(precision == Precision::fp64 ? gpu::doubleClip(composite, in[i]) : gpu::blockClip(composite, in[i]), 1.0f);
     });
 }
 
@@ -96,12 +96,13 @@ void recordMarks(Recorder& recorder, const DeviceLimits& limits, uint64_t count,
                 storage("Matrices", matrices), out);
 }
 
-void recordLongVertices(Recorder& recorder, const DeviceLimits& limits, Numbers numbers, uint64_t count, const Buffer<glm::vec4>& in,
+void recordLongVertices(Recorder& recorder, const DeviceLimits& limits, Precision precision, uint64_t count, const Buffer<glm::vec4>& in,
                         const Buffer<gpu::LongRecord>& composite, const Buffer<gpu::VertexPair>& out) {
-    PLUMB_ASSERT(numbers != Numbers::fp32);
+    PLUMB_ASSERT(precision != Precision::fp32);
     const Specialization oneMatrix = {{"kMatrices", 1}, {"kLoads", true}};
-    const VerticesKernel kernel = numbers == Numbers::fp64 ? VerticesKernel{spirv::vertices_double, spirv::vertices_double_int64, oneMatrix}
-                                                           : VerticesKernel{spirv::vertices_block, spirv::vertices_block_int64, oneMatrix};
+    const VerticesKernel kernel = precision == Precision::fp64
+                                      ? VerticesKernel{spirv::vertices_double, spirv::vertices_double_int64, oneMatrix}
+                                      : VerticesKernel{spirv::vertices_block, spirv::vertices_block_int64, oneMatrix};
     recordPairs(recorder, limits, kernel, count, in, storage("Longs", composite), out);
 }
 

@@ -16,7 +16,7 @@ namespace plumb {
 // Transforms on the CPU. `matrices`: in the order in which they are applied; none: vertices are copied.
 void verticesCpu(std::span<const gpu::Rows> matrices, std::span<const glm::vec4> in, std::span<glm::vec4> out, uint32_t threads);
 // Transforms on the CPU: x, y and w of the record's rows, and 1. Not for fp32.
-void longVerticesCpu(Numbers numbers, const gpu::LongRecord& composite, std::span<const glm::vec4> in, std::span<glm::vec4> out,
+void longVerticesCpu(Precision precision, const gpu::LongRecord& composite, std::span<const glm::vec4> in, std::span<glm::vec4> out,
                      uint32_t threads);
 // Operation of a tree's level: each `perLane` consecutive matrices become one, their product, or their sum where only loading is measured.
 enum class Level { products, sums };
@@ -38,7 +38,7 @@ void recordMarks(Recorder& recorder, const DeviceLimits& limits, uint64_t count,
                  const Buffer<gpu::Rows>& matrices, const Buffer<gpu::VertexPair>& out);
 uint64_t verticesPerDispatch(const DeviceLimits& limits);
 // Records the more accurate transforms. Not for fp32; for fp64 only where lacksBinary64() (host/binary64.h) is empty.
-void recordLongVertices(Recorder& recorder, const DeviceLimits& limits, Numbers numbers, uint64_t count, const Buffer<glm::vec4>& in,
+void recordLongVertices(Recorder& recorder, const DeviceLimits& limits, Precision precision, uint64_t count, const Buffer<glm::vec4>& in,
                         const Buffer<gpu::LongRecord>& composite, const Buffer<gpu::VertexPair>& out);
 // Records one level; `count` matrices become (count + perLane - 1) / perLane.
 void recordChainLevel(Recorder& recorder, const DeviceLimits& limits, Level level, uint32_t perLane, uint64_t count,

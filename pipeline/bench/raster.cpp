@@ -72,7 +72,8 @@ private:
         setup.fragmentConstants = {uint32_t(lights.size()), prepared.choices.parts.specular ? 1u : 0u};
         for (uint32_t i = 0; i < kMostLights; ++i) {
             const gpu::LightRecord l = i < lights.size() ? lights[i] : gpu::LightRecord{};
-            for (const float x : {l.kind, l.place.x, l.place.y, l.place.z, l.intensity.x, l.intensity.y, l.intensity.z, l.attenuation})
+            for (const float x :
+                 {l.kind, l.position.x, l.position.y, l.position.z, l.intensity.x, l.intensity.y, l.intensity.z, l.attenuation})
                 setup.fragmentConstants.push_back(gpu::ubitsOf(x));
         }
         return setup;

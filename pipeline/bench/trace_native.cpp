@@ -99,7 +99,7 @@ inline vec3 path(const gpu::TracePush& push, const TraceScene& s, vec3 o, vec3 d
         least = kOff * (1 + hit.t);
         vec3 local = m.base;
         for (const gpu::LightRecord& light : s.lights) {
-            vec3 l = light.place;
+            vec3 l = light.position;
             float reach = 1e30f;
             if (light.kind != 0) {
                 l -= at;

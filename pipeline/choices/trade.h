@@ -12,7 +12,7 @@
 namespace plumb {
 
 // Number format in which vertices are transformed; the last two are more accurate than float32 (shaders/shared/long_transform.h).
-enum class Numbers { fp32, blockInteger, fp64 };
+enum class Precision { fp32, blockInteger, fp64 };
 
 // What a picture may do faster and less accurately, beside its shading and samples (docs/measure.md). The defaults are the most accurate.
 struct Trade {
@@ -22,14 +22,14 @@ struct Trade {
     static constexpr uint32_t kStandardDepth = 33;  // as depthBits
 
     Specular specular = Specular::exact;
-    Vectors vectors = Vectors::pixel;  // Phong: where directions to the eye and to each light are made; scene: at the framed centre
-    Numbers numbers = Numbers::fp32;   // in which vertices are transformed; the other two are more accurate
-    bool affine = false;               // attributes interpolated without perspective
-    uint32_t depthBits = 32;           // 32: n/w as float32; kStandardDepth: float32 of 1 - n/w; 16, 24: n/w as fixed point
-    uint32_t subpixelBits = 8;         // 8, 4: what vertices are snapped to
-    bool unitNormals = true;           // false: interpolated normals are not made unit at pixels (Phong)
-    bool coarse = false;               // one pixel in 2 x 2 is shaded (Phong)
-    bool nativeEncode = false;         // sRGB by the device's pow
+    Vectors vectors = Vectors::pixel;       // Phong: where directions to the eye and to each light are made; scene: at the framed centre
+    Precision precision = Precision::fp32;  // of the vertex transform; the other two are more accurate
+    bool affine = false;                    // attributes interpolated without perspective
+    uint32_t depthBits = 32;                // 32: n/w as float32; kStandardDepth: float32 of 1 - n/w; 16, 24: n/w as fixed point
+    uint32_t subpixelBits = 8;              // 8, 4: what vertices are snapped to
+    bool unitNormals = true;                // false: interpolated normals are not made unit at pixels (Phong)
+    bool coarse = false;                    // one pixel in 2 x 2 is shaded (Phong)
+    bool nativeEncode = false;              // sRGB by the device's pow
     // The device's own functions, whose last bits are its own: the twin is not equal to the device, but within a bound (bound.h).
     bool native() const { return specular == Specular::native || nativeEncode; }
     bool operator==(const Trade&) const = default;
@@ -88,10 +88,10 @@ inline constexpr TradeChoice kSubpixelChoices[] = {
     tradeChoice<&Trade::subpixelBits, 4u>("4", "vertices snapped to 1/16 px", "off by 1/32 px at most"),
 };
 inline constexpr TradeChoice kTransformChoices[] = {
-    tradeChoice<&Trade::numbers, Numbers::fp32>("fp32", "float32, from a composite matrix made in binary64"),
-    tradeChoice<&Trade::numbers, Numbers::fp64>("fp64", "binary64, rounded to float32 at its end; only where the device has it"),
-    tradeChoice<&Trade::numbers, Numbers::blockInteger>("block-integer",
-                                                        "integers with one exponent an object and a row, rounded to float32 at their end"),
+    tradeChoice<&Trade::precision, Precision::fp32>("fp32", "float32, from a composite matrix made in binary64"),
+    tradeChoice<&Trade::precision, Precision::fp64>("fp64", "binary64, rounded to float32 at its end; only where the device has it"),
+    tradeChoice<&Trade::precision, Precision::blockInteger>(
+        "block-integer", "integers with one exponent an object and a row, rounded to float32 at their end"),
 };
 inline constexpr TradeChoice kNormalsChoices[] = {
     tradeChoice<&Trade::unitNormals, true>("normalised", "made unit at every pixel"),

@@ -452,7 +452,7 @@ const std::vector<CommandRow> kCommands = {
      "compare two pictures",
      "Compares two PNG, EXR or NPY pictures plane by plane: largest, mean and root-mean-square error, PSNR, SSIM, FLIP, CIEDE2000, ULP of "
      "float planes, pixels over 1, 2, 4 and 8 levels, the "
-     "largest connected region. Exit 0 when all gates hold, or without a gate when no pixel differs; exit 1 otherwise, with the place. A "
+     "largest connected region. Exit 0 when all gates hold, or without a gate when no pixel differs; exit 1 otherwise, with the pixel. A "
      "NaN is named before any norm; another size is a "
      "difference, never resized.",
      {{{"plumb diff a.png b.png", "every measure; exit 1 when a pixel differs"},

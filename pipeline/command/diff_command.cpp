@@ -21,8 +21,8 @@
 namespace plumb {
 namespace {
 
-std::string placeText(const Place& p) { return fmt::format("({}, {})", p.x, p.y); }
-Json placeJson(const Place& p) { return {p.x, p.y}; }
+std::string pixelText(const Pixel& p) { return fmt::format("({}, {})", p.x, p.y); }
+Json pixelJson(const Pixel& p) { return {p.x, p.y}; }
 
 // Number in JSON, which has no infinity and no NaN: they are the strings "inf", "-inf", "nan".
 Json numberJson(double value) {
@@ -46,7 +46,7 @@ std::string levelsText(const LayerDifference& d, double error) {
 std::string nanText(const LayerDifference& d, const std::string& nameA, const std::string& nameB) {
     const auto side = [&](const NotANumber& nan, const std::string& name) {
         return nan.pixels == 0 ? std::string()
-                               : fmt::format("    NaN         {} pixels of {}, the first at {}\n", nan.pixels, name, placeText(nan.first));
+                               : fmt::format("    NaN         {} pixels of {}, the first at {}\n", nan.pixels, name, pixelText(nan.first));
     };
     return side(d.nanA, nameA) + side(d.nanB, nameB);
 }
@@ -58,37 +58,37 @@ std::string textOf(const LayerDifference& d, const std::string& nameA, const std
     text += fmt::format("    differing   {} of {} pixels", d.differing, d.pixels);
     if (d.differing != 0)
         text += fmt::format(" ({:.3g} %), the first at {}; largest connected region {} pixels in {} to {}",
-                            100.0 * double(d.differing) / double(d.pixels), placeText(*d.firstDiffering), d.region.pixels,
-                            placeText(d.region.least), placeText(d.region.most));
+                            100.0 * double(d.differing) / double(d.pixels), pixelText(*d.firstDiffering), d.region.pixels,
+                            pixelText(d.region.least), pixelText(d.region.most));
     text += "\n";
     if (d.a.kind == LayerKind::id) return text;
     if (!d.max) return text + "    no norm     every pixel has a NaN\n";
     text += fmt::format("    max         {}", levelsText(d, *d.max));
     if (*d.max > 0) {
         const std::string channel = channelName(d, d.maxChannel);
-        text += fmt::format(" at {}, {}: {:.9g} against {:.9g}", placeText(d.maxAt),
+        text += fmt::format(" at {}, {}: {:.9g} against {:.9g}", pixelText(d.maxAt),
                             channel.empty() ? fmt::format("channel {}", d.maxChannel) : channel, d.valueA, d.valueB);
     }
     text += fmt::format("\n    mean        {}\n    rmse        {}\n", levelsText(d, *d.mean), levelsText(d, *d.rmse));
     if (d.ulp)
-        text += fmt::format("    ulp         {:.0f} (float{}){}\n", *d.ulp, d.ulpPrecision, *d.ulp > 0 ? " at " + placeText(d.ulpAt) : "");
+        text += fmt::format("    ulp         {:.0f} (float{}){}\n", *d.ulp, d.ulpPrecision, *d.ulp > 0 ? " at " + pixelText(d.ulpAt) : "");
     if (d.a.colour) {
         text += fmt::format("    psnr        {:.6f} dB\n", *d.psnr);
         for (size_t k = 0; k < kLevels.size(); ++k)
             text += fmt::format("{}{} over {}/255", k == 0 ? "    levels      " : ", ", d.over[k], kLevels[k]);
         text += "\n";
     }
-    if (d.ssim) text += fmt::format("    ssim        {:.6f}, lowest {:.6f} at {}\n", d.ssim->mean, d.ssim->worst, placeText(d.ssim->at));
+    if (d.ssim) text += fmt::format("    ssim        {:.6f}, lowest {:.6f} at {}\n", d.ssim->mean, d.ssim->worst, pixelText(d.ssim->at));
     if (d.flip)
         text += fmt::format("    flip        {:.6f} at {:.4g} pixels a degree, largest {:.6f} at {}\n", d.flip->mean, pixelsPerDegree,
-                            d.flip->worst, placeText(d.flip->at));
+                            d.flip->worst, pixelText(d.flip->at));
     if (d.deltaE)
         text += fmt::format("    deltae      {:.6f} (CIEDE2000), largest {:.6f} at {}\n", d.deltaE->mean, d.deltaE->worst,
-                            placeText(d.deltaE->at));
+                            pixelText(d.deltaE->at));
     return text;
 }
 
-Json perceivedJson(const Perceived& p, const char* worst) { return {{"mean", p.mean}, {worst, p.worst}, {"at", placeJson(p.at)}}; }
+Json perceivedJson(const Perceived& p, const char* worst) { return {{"mean", p.mean}, {worst, p.worst}, {"at", pixelJson(p.at)}}; }
 
 Json layerJson(const LayerDifference& d, double pixelsPerDegree) {
     static constexpr const char* kKinds[] = {"code", "real", "id"};
@@ -100,22 +100,22 @@ Json layerJson(const LayerDifference& d, double pixelsPerDegree) {
     json["pixels"] = d.pixels;
     for (const auto& [key, nan] : {std::pair{"nan_a", &d.nanA}, {"nan_b", &d.nanB}}) {
         json[key] = {{"pixels", nan->pixels}};
-        if (nan->pixels != 0) json[key]["first"] = placeJson(nan->first);
+        if (nan->pixels != 0) json[key]["first"] = pixelJson(nan->first);
     }
     json["differing"] = d.differing;
     if (d.firstDiffering) {
-        json["first_differing"] = placeJson(*d.firstDiffering);
-        json["region"] = {{"pixels", d.region.pixels}, {"least", placeJson(d.region.least)}, {"most", placeJson(d.region.most)}};
+        json["first_differing"] = pixelJson(*d.firstDiffering);
+        json["region"] = {{"pixels", d.region.pixels}, {"least", pixelJson(d.region.least)}, {"most", pixelJson(d.region.most)}};
     }
     if (d.max) {
         json["max"] = numberJson(*d.max);
         if (*d.max > 0)
             json["max_at"] = {
-                {"pixel", placeJson(d.maxAt)}, {"channel", d.maxChannel}, {"a", numberJson(d.valueA)}, {"b", numberJson(d.valueB)}};
+                {"pixel", pixelJson(d.maxAt)}, {"channel", d.maxChannel}, {"a", numberJson(d.valueA)}, {"b", numberJson(d.valueB)}};
         json["mean"] = numberJson(*d.mean);
         json["rmse"] = numberJson(*d.rmse);
     }
-    if (d.ulp) json["ulp"] = {{"max", *d.ulp}, {"bits", d.ulpPrecision}, {"at", placeJson(d.ulpAt)}};
+    if (d.ulp) json["ulp"] = {{"max", *d.ulp}, {"bits", d.ulpPrecision}, {"at", pixelJson(d.ulpAt)}};
     if (d.psnr) {
         json["psnr"] = numberJson(*d.psnr);
         json["over"] = Json::object();
@@ -143,13 +143,13 @@ std::string valueText(const GateResult& r) {
 std::string gateText(const GateResult& r) {
     std::string text = fmt::format("gate {}: {} is {} {}", printable(r.gate->text), nameOf(r.gate->metric), valueText(r),
                                    r.held ? "and holds" : "and does NOT hold");
-    if (!r.held && r.at) text += fmt::format("; worst at {}", placeText(*r.at));
+    if (!r.held && r.at) text += fmt::format("; worst at {}", pixelText(*r.at));
     return text + fmt::format(" (plane {})", r.layer);
 }
 
 Json gateJson(const GateResult& r) {
     Json json = {{"gate", r.gate->text}, {"plane", r.layer}, {"value", numberJson(r.value)}, {"limit", r.gate->limit}, {"held", r.held}};
-    if (r.at) json["at"] = placeJson(*r.at);
+    if (r.at) json["at"] = pixelJson(*r.at);
     return json;
 }
 
@@ -220,13 +220,13 @@ Exit diffCommand(const Options& options) {
         if (d.hasNan() && !nanIsJudged(gates, d.name)) {
             const NotANumber& nan = d.nanA.pixels != 0 ? d.nanA : d.nanB;
             faults.push_back(
-                fmt::format("NaN at {} of plane {} of {}", placeText(nan.first), d.name, printable(d.nanA.pixels != 0 ? a.path : b.path)));
+                fmt::format("NaN at {} of plane {} of {}", pixelText(nan.first), d.name, printable(d.nanA.pixels != 0 ? a.path : b.path)));
         }
         if (gates.empty() && d.differing != 0)
             faults.push_back(d.max && *d.max > 0 ? fmt::format("plane {} differs in {} pixels, by at most {} at {}", d.name, d.differing,
-                                                               levelsText(d, *d.max), placeText(d.maxAt))
+                                                               levelsText(d, *d.max), pixelText(d.maxAt))
                                                  : fmt::format("plane {} differs in {} pixels, the first at {}", d.name, d.differing,
-                                                               placeText(*d.firstDiffering)));
+                                                               pixelText(*d.firstDiffering)));
     }
     for (const GateResult& r : results)
         if (!r.held) faults.push_back(gateText(r));

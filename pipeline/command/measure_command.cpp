@@ -61,11 +61,11 @@ Exit measureCommand(const Options& options) {
     plan.repetitions = options.repetitions;
     plan.seed = options.seed.value_or(0);
     plan.keepPictures = !options.output.empty();
-    if (options.views.size() > 1) throw usageError("measure looks from one place: give --view once at most");
+    if (options.views.size() > 1) throw usageError("measure looks from one viewpoint: give --view once at most");
     for (const std::string& file : {options.output, options.jsonFile, options.csvFile})
         if (!file.empty()) checkWritable(file, options.noClobber);
     if (options.json && options.csv && options.jsonFile == options.csvFile)
-        throw usageError("--json and --csv both want the same place: name a file for one of them");
+        throw usageError("--json and --csv both want standard output: name a file for one of them");
 
     Progress progress(options.progress, options.quiet);
     const LoadOptions loading = loadOptionsOf(options, &progress);

@@ -29,7 +29,7 @@ Layer withoutSamples(const Layer& layer) {
     return copy;
 }
 
-std::string placed(const Picture& p) {
+std::string viewOf(const Picture& p) {
     std::string text = fmt::format("{}x{}", p.width, p.height);
     if (p.left != 0 || p.top != 0) text += fmt::format(" from ({}, {})", p.left, p.top);
     return text;
@@ -93,7 +93,7 @@ Comparison compare(const Picture& a, const Picture& b, const CompareOptions& opt
         }
     if (a.width != b.width || a.height != b.height || a.left != b.left || a.top != b.top) {
         out.sameSize = false;
-        out.sizeDifference = fmt::format("{} against {}", placed(a), placed(b));
+        out.sizeDifference = fmt::format("{} against {}", viewOf(a), viewOf(b));
         return out;
     }
     const auto wanted = [&](const Layer& layer) {

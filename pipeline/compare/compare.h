@@ -16,7 +16,7 @@
 
 namespace plumb {
 
-struct Place {
+struct Pixel {
     uint32_t x = 0, y = 0;
 };
 
@@ -36,17 +36,17 @@ inline constexpr std::array<int, 4> kLevels = {1, 2, 4, 8};  // steps of 1/255
 
 struct NotANumber {
     uint64_t pixels = 0;  // pixels with a NaN in any channel
-    Place first;
+    Pixel first;
 };
 
 struct Region {  // the largest set of differing pixels that are connected by sides or corners
     uint64_t pixels = 0;
-    Place least, most;  // corners of its box, inclusive
+    Pixel least, most;  // corners of its box, inclusive
 };
 
 struct Perceived {  // mean over pixels, and the worst
     double mean = 0, worst = 0;
-    Place at;
+    Pixel at;
 };
 
 // Differences of one layer. Pixels with a NaN on either side take part in no norm. Equal infinities do not differ; otherwise their
@@ -57,10 +57,10 @@ struct LayerDifference {
     uint64_t pixels = 0, compared = 0;  // pixels: all; compared: those without a NaN
     NotANumber nanA, nanB;
     uint64_t differing = 0;  // pixels in which any channel differs, NaN on one side included
-    std::optional<Place> firstDiffering;
+    std::optional<Pixel> firstDiffering;
     // Norms of real and code layers, after the search of `radius`.
     std::optional<double> max, mean, rmse;  // over channels: largest, mean and root of mean square
-    Place maxAt;
+    Pixel maxAt;
     uint32_t maxChannel = 0;
     double valueA = 0, valueB = 0;  // values at maxAt, in units of the layer
     std::vector<double> error;      // error of each pixel: the largest of its channels; NaN where a sample is NaN. Ids: 1 where they differ
@@ -69,7 +69,7 @@ struct LayerDifference {
     Region region;
     // Largest distance of real layers in steps between neighbouring floats, of the wider type of the two; without search.
     std::optional<double> ulp;
-    Place ulpAt;
+    Pixel ulpAt;
     int ulpPrecision = 32;
     // Perceived differences of colour layers, without search. Transparent pictures are put on black and on white, and the worse counts.
     std::optional<Perceived> ssim;  // worst: the lowest window. Absent below 11x11

@@ -74,12 +74,12 @@ const Row& rowOf(Metric metric) {
 
 struct Measured {
     double value = 0;
-    std::optional<Place> at;
+    std::optional<Pixel> at;
 };
 
 std::optional<Measured> measured(const Gate& gate, const LayerDifference& layer) {
-    const std::optional<Place> worst = layer.max ? std::optional(layer.maxAt) : layer.firstDiffering;
-    const auto number = [&](const std::optional<double>& value, std::optional<Place> at) -> std::optional<Measured> {
+    const std::optional<Pixel> worst = layer.max ? std::optional(layer.maxAt) : layer.firstDiffering;
+    const auto number = [&](const std::optional<double>& value, std::optional<Pixel> at) -> std::optional<Measured> {
         if (!value) return std::nullopt;
         return Measured{*value, at};
     };

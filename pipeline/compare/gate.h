@@ -36,7 +36,7 @@ struct GateResult {
     std::string layer;
     double value = 0;  // in the unit of the limit
     bool held = false;
-    std::optional<Place> at;  // the worst pixel
+    std::optional<Pixel> at;  // the worst pixel
 };
 
 // Parses a gate. Throws Error(usage): one line with what is wrong and what is accepted.

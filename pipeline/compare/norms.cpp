@@ -52,9 +52,9 @@ struct Pixels {
     }
 };
 
-void note(NotANumber& found, const double* p, uint32_t channels, Place place) {
+void note(NotANumber& found, const double* p, uint32_t channels, Pixel pixel) {
     if (!std::any_of(p, p + channels, [](double s) { return std::isnan(s); })) return;
-    if (found.pixels++ == 0) found.first = place;
+    if (found.pixels++ == 0) found.first = pixel;
 }
 
 template <class Float, class Bits>
@@ -166,9 +166,9 @@ void takeNorms(const Layer& a, const Layer& b, uint32_t width, uint32_t height, 
         double rowSum = 0, rowSquares = 0;
         for (uint32_t x = 0; x < width; ++x) {
             const size_t i = size_t(y) * width + x;
-            const Place place{x, y};
-            note(out.nanA, a.samples.data() + i * channels, channels, place);
-            note(out.nanB, b.samples.data() + i * channels, channels, place);
+            const Pixel pixel{x, y};
+            note(out.nanA, a.samples.data() + i * channels, channels, pixel);
+            note(out.nanB, b.samples.data() + i * channels, channels, pixel);
             const double error = out.error[i];
             if (std::isnan(error)) {
                 const bool both =
@@ -185,14 +185,14 @@ void takeNorms(const Layer& a, const Layer& b, uint32_t width, uint32_t height, 
                     rowSquares += d * d;
                     if (d <= most) continue;
                     most = d;
-                    out.maxAt = place;
+                    out.maxAt = pixel;
                     out.maxChannel = c;
                     out.valueA = partner[i][0][c];
                     out.valueB = partner[i][1][c];
                 }
             }
             if (differs[i] == 0) continue;
-            if (out.differing++ == 0) out.firstDiffering = place;
+            if (out.differing++ == 0) out.firstDiffering = pixel;
         }
         sum += rowSum;
         squares += rowSquares;

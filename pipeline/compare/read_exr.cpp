@@ -109,7 +109,7 @@ public:
     }
 
 private:
-    [[noreturn]] void refuse(uint64_t at, const std::string& why) const { throw inputError(placeOfByte(path_, at), "EXR: " + why); }
+    [[noreturn]] void refuse(uint64_t at, const std::string& why) const { throw inputError(locationOfByte(path_, at), "EXR: " + why); }
     uint32_t word(uint64_t at) const {
         if (bytes_.size() < 4 || at > bytes_.size() - 4) refuse(bytes_.size(), "the file ends within its header");
         uint32_t value = 0;

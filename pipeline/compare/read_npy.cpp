@@ -56,7 +56,7 @@ public:
         if (at_ != text_.size()) refuse("text after the dictionary");
         if (descr.empty() || !fortran || !hasShape) refuse("'descr', 'fortran_order' or 'shape' is missing");
     }
-    [[noreturn]] void refuse(const std::string& why) const { throw inputError(placeOfByte(path_, offset_ + at_), "NPY header: " + why); }
+    [[noreturn]] void refuse(const std::string& why) const { throw inputError(locationOfByte(path_, offset_ + at_), "NPY header: " + why); }
 
 private:
     void blanks() {
@@ -137,16 +137,16 @@ double sample(const char* from, char kind, size_t bytes, bool swap) {
 
 Picture readNpyPicture(const std::filesystem::path& path, const std::string& bytes) {
     const auto byte = [&](size_t i) { return size_t(static_cast<unsigned char>(bytes[i])); };
-    if (bytes.size() < 12) throw inputError(placeOfByte(path, bytes.size()), "NPY: the file ends within its header");
+    if (bytes.size() < 12) throw inputError(locationOfByte(path, bytes.size()), "NPY: the file ends within its header");
     const size_t version = byte(6);
     if (version < 1 || version > 3 || byte(7) != 0)
-        throw inputError(placeOfByte(path, 6), fmt::format("NPY: version {}.{}; 1.0, 2.0 and 3.0 are read", version, byte(7)));
+        throw inputError(locationOfByte(path, 6), fmt::format("NPY: version {}.{}; 1.0, 2.0 and 3.0 are read", version, byte(7)));
     const size_t prefix = version == 1 ? 10 : 12;
     const size_t headerBytes = version == 1 ? byte(8) | byte(9) << 8 : byte(8) | byte(9) << 8 | byte(10) << 16 | byte(11) << 24;
     if (headerBytes > kMostHeaderBytes)
-        throw inputError(placeOfByte(path, 8),
+        throw inputError(locationOfByte(path, 8),
                          fmt::format("NPY: a header of {} bytes; at most {} are read", headerBytes, kMostHeaderBytes));
-    if (headerBytes > bytes.size() - prefix) throw inputError(placeOfByte(path, bytes.size()), "NPY: the file ends within its header");
+    if (headerBytes > bytes.size() - prefix) throw inputError(locationOfByte(path, bytes.size()), "NPY: the file ends within its header");
     Literal header(std::string_view(bytes).substr(prefix, headerBytes), path, prefix);
     header.read();
 
@@ -170,7 +170,7 @@ Picture readNpyPicture(const std::filesystem::path& path, const std::string& byt
     if (samples > kMostSamples) header.refuse("more than 2^27 samples");
     const size_t start = prefix + headerBytes;
     if (bytes.size() - start != samples * size)
-        throw inputError(placeOfByte(path, bytes.size()),
+        throw inputError(locationOfByte(path, bytes.size()),
                          fmt::format("NPY: {} bytes of data; the header says {}", bytes.size() - start, samples * size));
 
     Picture picture;
@@ -201,7 +201,7 @@ Picture readNpyPicture(const std::filesystem::path& path, const std::string& byt
         }
         const double value = sample(bytes.data() + start + from * size, kind, size, swap);
         if (kind != 'f' && std::fabs(value) >= kMostExact)
-            throw inputError(placeOfByte(path, start + from * size), "NPY: an integer of 2^53 or more");
+            throw inputError(locationOfByte(path, start + from * size), "NPY: an integer of 2^53 or more");
         layer.samples[i] = value;
     }
     picture.layers.push_back(std::move(layer));

@@ -21,7 +21,7 @@ Picture readPicture(const std::filesystem::path& path) {
     else if (bytes.starts_with("\x93NUMPY"))
         picture = readNpyPicture(path, bytes);
     else
-        throw inputError(placeOfByte(path, 0), "neither a PNG nor an EXR nor an NPY: its first bytes belong to none of them");
+        throw inputError(locationOfByte(path, 0), "neither a PNG nor an EXR nor an NPY: its first bytes belong to none of them");
     picture.path = path.string();
     picture.sha256 = sha256Hex(std::as_bytes(std::span(bytes)));
     return picture;

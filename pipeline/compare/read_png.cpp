@@ -104,7 +104,7 @@ Picture readPngPicture(const std::filesystem::path& path, const std::string& byt
     }
     if (setjmp(png_jmpbuf(png))) {
         png_destroy_read_struct(&png, &info, nullptr);
-        throw inputError(placeOfByte(path, reading.at), "PNG: " + printable(reading.failure));
+        throw inputError(locationOfByte(path, reading.at), "PNG: " + printable(reading.failure));
     }
     try {  // an exception of a vector must not leave libpng's structures behind
         decode(png, info, reading);

@@ -178,7 +178,7 @@ Exact exactOfFixed(const Fixed& x) {
     return Exact::finite(negative, mantissa, -up, x.inexact);
 }
 
-// Place of |x| on the circle: x = quadrant pi/2 + angle, |angle| at most pi/4 and a little.
+// Position of |x| on the circle: x = quadrant pi/2 + angle, |angle| at most pi/4 and a little.
 struct Angle {
     uint32_t quadrant = 0;
     Exact angle;
@@ -253,9 +253,9 @@ Exact wave(uint32_t bits, uint32_t ahead) {
     const Exact x = exactOf(bits);
     if (x.kind == Exact::Kind::zero) return ahead == 0 ? x : Exact::finite(false, 1, 0);
     if (!x.isFinite()) return Exact::nan();
-    const Angle place = reduced(x);
-    const uint32_t quadrant = (place.quadrant + ahead) & 3u;
-    const Exact value = (quadrant & 1u) == 0 ? sineNear0(place.angle) : cosineNear0(place.angle);
+    const Angle position = reduced(x);
+    const uint32_t quadrant = (position.quadrant + ahead) & 3u;
+    const Exact value = (quadrant & 1u) == 0 ? sineNear0(position.angle) : cosineNear0(position.angle);
     return quadrant >= 2 ? negated(value) : value;
 }
 

@@ -19,7 +19,7 @@ struct OpenOptions {
 };
 
 // Loads and completes a scene file, a glTF or a mesh: what states no camera is framed, and a bare mesh without lights is lit. scene.size is
-// the size that it was framed for. Throws Error(input) with the place in the file.
+// the size that it was framed for. Throws Error(input) with the location in the file.
 Scene openScene(const std::filesystem::path&, const OpenOptions& = {});
 
 // Pixels that the scene states, or 640 x 480.

@@ -136,7 +136,7 @@ std::string wordsOf(const Setting& s) {
 
 std::span<const Axis> axes() { return kAxes; }
 
-size_t askedPlace(const Axis& axis) {
+size_t askedRank(const Axis& axis) {
     const auto asked = std::find(std::begin(kAsked), std::end(kAsked), std::string_view(axis.name));
     return size_t(asked - std::begin(kAsked)) + (asked == std::end(kAsked) ? size_t(&axis - kAxes.data()) : 0);
 }

@@ -45,8 +45,8 @@ struct Axis {
     Scope scope = Scope::raster;
 };
 
-// Place of an axis among what people ask about a picture: 0 is asked first, and cut last where time is short.
-size_t askedPlace(const Axis&);
+// Rank of an axis among what people ask about a picture: 0 is asked first, and cut last where time is short.
+size_t askedRank(const Axis&);
 // The default again, a row of every measurement: how far apart two measurements of one work come out.
 const Axis& controlAxis();
 // The most samples a pixel that any choice of any axis takes: one number for every list of axes.

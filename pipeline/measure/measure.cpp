@@ -90,7 +90,7 @@ private:
     std::vector<size_t> byImportance() const {
         std::vector<size_t> asked(out_.runs.size(), axes().size() + out_.runs.size());
         for (const Row& row : out_.rows)
-            if (row.run) asked[*row.run] = std::min(asked[*row.run], askedPlace(*row.axis));
+            if (row.run) asked[*row.run] = std::min(asked[*row.run], askedRank(*row.axis));
         std::vector<std::tuple<int, size_t, double, size_t>> keys;
         for (size_t i = 0; i < out_.runs.size(); ++i) {
             const MeasuredRun& run = out_.runs[i];
@@ -291,11 +291,11 @@ private:
         }
     }
 
-    // One time of each run that is not cut, by its place in runs; empty where the limit ends the round, which then does not count.
+    // One time of each run that is not cut, by its index in runs; empty where the limit ends the round, which then does not count.
     std::vector<RenderResult> takeRound(const std::vector<size_t>& runs, const std::vector<size_t>& order) {
         std::vector<RenderResult> results(out_.runs.size());
-        for (const size_t place : order) {
-            const size_t i = runs[place];
+        for (const size_t turn : order) {
+            const size_t i = runs[turn];
             const bool must = i == 0 && out_.repetitions == 0 && runs.size() == 1;  // the default has a time, whatever the limit
             if (!must && leftMs() < std::max(estimates_[i], out_.runs[i].total.ms.empty() ? 0 : out_.runs[i].total.max())) return {};
             try {
@@ -330,9 +330,9 @@ private:
                 run.total.ms.push_back(results[i].totalMs);
                 estimates_[i] = std::accumulate(run.total.ms.begin(), run.total.ms.end(), 0.0) / double(run.total.ms.size());
                 for (const PassTime& time : results[i].times) {
-                    auto place = std::find_if(run.passes.begin(), run.passes.end(), [&](const auto& p) { return p.first == time.pass; });
-                    if (place == run.passes.end()) place = run.passes.insert(run.passes.end(), {time.pass, {}});
-                    place->second.ms.push_back(time.ms);
+                    auto pass = std::find_if(run.passes.begin(), run.passes.end(), [&](const auto& p) { return p.first == time.pass; });
+                    if (pass == run.passes.end()) pass = run.passes.insert(run.passes.end(), {time.pass, {}});
+                    pass->second.ms.push_back(time.ms);
                 }
             }
             ++out_.repetitions;

@@ -92,7 +92,7 @@ struct Measurement {
 
 // Measures all choices. Each is drawn once with planes for its error and once without to warm up (both must have the same bytes:
 // Error(failed) otherwise). Then all are timed in rounds, in an order in which every run follows every other equally often (rounds.h).
-// The limit cuts rows, which are listed: first those that repeat the default's pixels and passes, then the axes by falling askedPlace(),
+// The limit cuts rows, which are listed: first those that repeat the default's pixels and passes, then the axes by falling askedRank(),
 // the slowest of an axis first. An error beyond its proved bound fails: Error(failed), with the row, the pixel and both numbers.
 Measurement measure(const Scene& scene, const MeasurePlan& plan);
 

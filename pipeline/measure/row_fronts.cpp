@@ -15,7 +15,7 @@ namespace {
 
 // The front among these runs, of which the first is the default; indices of runs.
 std::vector<size_t> frontAmong(const Measurement& m, const std::vector<std::string>& works, const std::vector<size_t>& among) {
-    std::map<std::pair<uint32_t, Sampling>, size_t> places;
+    std::map<std::pair<uint32_t, Sampling>, size_t> indices;
     std::map<std::string, size_t> workNumbers;
     std::vector<FrontPoint> points;
     std::vector<size_t> runs;
@@ -24,7 +24,7 @@ std::vector<size_t> frontAmong(const Measurement& m, const std::vector<std::stri
         const RenderRequest& request = run.setting.request;
         if (run.cut || !run.alike || !run.ratio) continue;
         FrontPoint point;
-        point.samples = places.try_emplace({request.samples, samplingOf(request)}, places.size()).first->second;
+        point.samples = indices.try_emplace({request.samples, samplingOf(request)}, indices.size()).first->second;
         if (!run.error && point.samples != 0) continue;  // no truth to compare other samples by
         point.low = run.ratio->low, point.high = run.ratio->high;
         point.errorAtItsSamples = run.alike->picture.rms;

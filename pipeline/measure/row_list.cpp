@@ -64,7 +64,7 @@ void listRuns(Measurement& m, const MeasurePlan& plan) {
                     row.why = lacks;
                 } else if (!setting.twin && !plan.deviceThere) {
                     row.why = "no device draws here";
-                } else if (!setting.twin && setting.request.trade.numbers == Numbers::fp64 && !plan.noBinary64.empty()) {
+                } else if (!setting.twin && setting.request.trade.precision == Precision::fp64 && !plan.noBinary64.empty()) {
                     row.why = plan.noBinary64;
                 } else {
                     row.run = runOf(m, setting);

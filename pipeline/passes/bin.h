@@ -23,7 +23,7 @@ struct BinBuffers {
     const Buffer<gpu::DrawTriangle>& draws;
     const Buffer<gpu::ScreenVertex>& screen;
     // triangles to walk when the set-up pass has binned the small ones; otherwise all draws are walked
-    const Buffer<PlacedTriangle>& listed;
+    const Buffer<SlottedTriangle>& listed;
     const Buffer<glm::uvec4>& strips;
     const Buffer<uint32_t>& tiles;  // counts; cleared by the caller, or as the set-up pass left them
     const Buffer<uint32_t>& entries;

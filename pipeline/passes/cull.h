@@ -19,24 +19,24 @@ void recordCull(Recorder& recorder, const gpu::CullPush& push, const Specializat
                 const Buffer<gpu::ScreenVertex>& screen, const Buffer<gpu::CullRecord>& records);
 
 // Slot of the draw list and the triangle of the chunk that is drawn there.
-struct PlacedTriangle {
-    uint32_t place, triangle;
+struct SlottedTriangle {
+    uint32_t slot, triangle;
 };
 
 // Result of the host's step between cull and set-up, the same for device and twin: slots in the draw list, clip jobs, counts.
-struct DrawPlaces {
-    std::vector<uint32_t> places;  // first slot of each CullRecord
+struct DrawSlots {
+    std::vector<uint32_t> first;  // first slot of each CullRecord
     std::vector<gpu::ClipJob> jobs;
-    std::vector<PlacedTriangle> large;   // large or wide: binned in strips
-    std::vector<PlacedTriangle> medium;  // triangles that a binning set-up leaves to the bin pass
-    uint32_t drawCount = 0;              // entries of the draw list
+    std::vector<SlottedTriangle> large;   // large or wide: binned in strips
+    std::vector<SlottedTriangle> medium;  // triangles that a binning set-up leaves to the bin pass
+    uint32_t drawCount = 0;               // entries of the draw list
     uint32_t clippedVertices = 0;
     uint64_t drawn = 0, backFacing = 0, zeroArea = 0, outside = 0;
     bool wide = false;
 };
-DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& list, uint32_t firstClippedVertex);
+DrawSlots assignSlots(std::span<const gpu::CullRecord> records, const DrawList& list, uint32_t firstClippedVertex);
 
-void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places, std::span<const glm::uvec4> triangles,
+void setupCpu(std::span<const gpu::CullRecord> records, const DrawSlots& slots, std::span<const glm::uvec4> triangles,
               std::span<const gpu::ScreenVertex> screen, std::span<gpu::DrawTriangle> draws, uint32_t threads);
 // Lists the triangle of each slot of the draw list, gpu::kNoTriangle in slots of clip fans.
 void listDrawn(std::span<const gpu::CullRecord> records, std::span<uint32_t> sources);
@@ -47,7 +47,7 @@ void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides,
                  const Buffer<gpu::DrawTriangle>& draws, const Buffer<uint32_t>& tiles, const Buffer<uint32_t>& entries,
                  const Buffer<uint32_t>& overflow);
 
-// Clips the triangles of `jobs`. Writes their corners to screen and attributes at job.vertex, the fan to draws at job.place; kinds[job] = wide
+// Clips the triangles of `jobs`. Writes their corners to screen and attributes at job.vertex, the fan to draws at job.slot; kinds[job] = wide
 // | number of drawn triangles << 1. `given`: clip-space x, y, w that a more accurate transform left; empty: they are computed in float32.
 void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std::span<const glm::uvec4> triangles,
              std::span<const glm::vec4> positions, std::span<const gpu::ObjectRecord> objects, std::span<gpu::ScreenVertex> screen,

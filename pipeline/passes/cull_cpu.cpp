@@ -11,7 +11,7 @@ namespace plumb {
 
 namespace {
 
-glm::ivec2 placeOf(const gpu::ScreenVertex& v) { return {v.x, v.y}; }
+glm::ivec2 positionOf(const gpu::ScreenVertex& v) { return {v.x, v.y}; }
 
 // Number of bits in a mask. std::popcount is a call where the processor is not known to have the instruction, and most masks have no bit or
 // all.
@@ -43,7 +43,7 @@ void cullCpu(const gpu::CullPush& push, std::span<const glm::uvec4> triangles, s
                     r.clip |= bit;
                     continue;
                 }
-                const glm::ivec2 p0 = placeOf(a), p1 = placeOf(b), p2 = placeOf(c);
+                const glm::ivec2 p0 = positionOf(a), p1 = positionOf(b), p2 = positionOf(c);
                 switch (gpu::classify(p0, p1, p2, push.frame, push.cullBackFaces)) {
                     case gpu::kOutside:
                         r.outside |= bit;
@@ -69,32 +69,32 @@ void cullCpu(const gpu::CullPush& push, std::span<const glm::uvec4> triangles, s
     });
 }
 
-DrawPlaces placeDraws(std::span<const gpu::CullRecord> records, const DrawList& list, uint32_t firstClippedVertex) {
-    DrawPlaces d;
-    d.places.resize(records.size());
+DrawSlots assignSlots(std::span<const gpu::CullRecord> records, const DrawList& list, uint32_t firstClippedVertex) {
+    DrawSlots d;
+    d.first.resize(records.size());
     uint64_t next = 0;
     size_t range = 0;
     for (size_t lane = 0; lane < records.size(); ++lane) {
         const gpu::CullRecord& r = records[lane];
-        d.places[lane] = uint32_t(next);
+        d.first[lane] = uint32_t(next);
         d.drawn += bitsIn(r.drawn);
         d.backFacing += bitsIn(r.backFacing);
         d.zeroArea += bitsIn(r.zeroArea);
         d.outside += bitsIn(r.outside);
         d.wide |= r.wide != 0;
-        const auto placeOfBit = [&](uint32_t bit) {
+        const auto slotOfBit = [&](uint32_t bit) {
             const uint32_t below = (1u << bit) - 1u;
             return uint32_t(next) + bitsIn(r.drawn & below) + gpu::kClipFan * bitsIn(r.clip & below);
         };
-        const auto placed = [&](uint32_t bit) { return PlacedTriangle{placeOfBit(bit), uint32_t(lane * gpu::kTrianglesPerLane + bit)}; };
-        for (uint32_t left = r.large | r.wide; left; left &= left - 1) d.large.push_back(placed(std::countr_zero(left)));
-        for (uint32_t left = r.medium; left; left &= left - 1) d.medium.push_back(placed(std::countr_zero(left)));
+        const auto slotted = [&](uint32_t bit) { return SlottedTriangle{slotOfBit(bit), uint32_t(lane * gpu::kTrianglesPerLane + bit)}; };
+        for (uint32_t left = r.large | r.wide; left; left &= left - 1) d.large.push_back(slotted(std::countr_zero(left)));
+        for (uint32_t left = r.medium; left; left &= left - 1) d.medium.push_back(slotted(std::countr_zero(left)));
         for (uint32_t left = r.clip; left; left &= left - 1) {
             const uint32_t bit = std::countr_zero(left);
             const uint32_t triangle = uint32_t(lane * gpu::kTrianglesPerLane + bit);
             while (list.ranges[range].firstTriangle + list.ranges[range].triangleCount <= triangle) ++range;
             const uint32_t job = uint32_t(d.jobs.size());
-            d.jobs.push_back({triangle, list.ranges[range].record, placeOfBit(bit), firstClippedVertex + job * gpu::kClipCorners});
+            d.jobs.push_back({triangle, list.ranges[range].record, slotOfBit(bit), firstClippedVertex + job * gpu::kClipCorners});
         }
         next += uint64_t(bitsIn(r.drawn)) + uint64_t(gpu::kClipFan) * bitsIn(r.clip);
     }
@@ -124,18 +124,19 @@ void listDrawn(std::span<const gpu::CullRecord> records, std::span<uint32_t> sou
     PLUMB_ASSERT(to == sources.data() + sources.size());
 }
 
-void setupCpu(std::span<const gpu::CullRecord> records, const DrawPlaces& places, std::span<const glm::uvec4> triangles,
+void setupCpu(std::span<const gpu::CullRecord> records, const DrawSlots& slots, std::span<const glm::uvec4> triangles,
               std::span<const gpu::ScreenVertex> screen, std::span<gpu::DrawTriangle> draws, uint32_t threads) {
     parallelBands(records.size(), 256, threads, [&](uint64_t begin, uint64_t end) {
         for (uint64_t lane = begin; lane < end; ++lane) {
-            uint32_t place = places.places[lane];
+            uint32_t slot = slots.first[lane];
             for (uint32_t k = 0; k < gpu::kTrianglesPerLane; ++k) {
                 const uint32_t bit = 1u << k;
-                if (records[lane].clip & bit) place += gpu::kClipFan;
+                if (records[lane].clip & bit) slot += gpu::kClipFan;
                 if (!(records[lane].drawn & bit)) continue;
                 const uint32_t t = uint32_t(lane * gpu::kTrianglesPerLane + k);
                 const glm::uvec4& v = triangles[t];
-                draws[place++] = gpu::drawTriangle(v.x, v.y, v.z, placeOf(screen[v.x]), placeOf(screen[v.y]), placeOf(screen[v.z]), t);
+                draws[slot++] =
+                    gpu::drawTriangle(v.x, v.y, v.z, positionOf(screen[v.x]), positionOf(screen[v.y]), positionOf(screen[v.z]), t);
             }
         }
     });
@@ -172,24 +173,24 @@ void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std:
             }
             PLUMB_ASSERT(polygon.size() <= gpu::kClipCorners);
             uint32_t kind = 0;
-            std::vector<glm::ivec2> place;
+            std::vector<glm::ivec2> position;
             for (size_t i = 0; i < polygon.size(); ++i) {
                 screen[job.vertex + i] = gpu::projectClipped(polygon[i], push.viewport);
                 attributes[job.vertex + i] = glm::vec4(polygon[i].attributes, 0.0f);
-                place.push_back(placeOf(screen[job.vertex + i]));
+                position.push_back(positionOf(screen[job.vertex + i]));
             }
             for (uint32_t i = 0; i < gpu::kClipFan; ++i) {
                 gpu::DrawTriangle d{{job.vertex, job.vertex, job.vertex}, job.triangle};
                 if (i + 2 < polygon.size() &&
-                    gpu::classify(place[0], place[i + 1], place[i + 2], push.frame, push.cullBackFaces) == gpu::kDrawn) {
-                    d = gpu::drawTriangle(job.vertex, job.vertex + i + 1, job.vertex + i + 2, place[0], place[i + 1], place[i + 2],
+                    gpu::classify(position[0], position[i + 1], position[i + 2], push.frame, push.cullBackFaces) == gpu::kDrawn) {
+                    d = gpu::drawTriangle(job.vertex, job.vertex + i + 1, job.vertex + i + 2, position[0], position[i + 1], position[i + 2],
                                           job.triangle);
-                    const glm::ivec2 extent =
-                        gpu::highest(place[0], place[i + 1], place[i + 2]) - gpu::lowest(place[0], place[i + 1], place[i + 2]);
+                    const glm::ivec2 extent = gpu::highest(position[0], position[i + 1], position[i + 2]) -
+                                              gpu::lowest(position[0], position[i + 1], position[i + 2]);
                     kind |= gpu::isNarrow(extent.x, extent.y) ? 0 : 1;
                     kind += 2;
                 }
-                draws[job.place + i] = d;
+                draws[job.slot + i] = d;
             }
             kinds[j] = kind;
         }

@@ -23,7 +23,7 @@ void recordSetup(Recorder& recorder, const gpu::SetupPush& push, bool bothSides,
     Specialization constants = exact;
     constants["kBin"] = push.tilesX != 0;
     constants["kBothSides"] = bothSides;
-    recorder.dispatch("setup", spirv::setup, push.placeCount, push,
+    recorder.dispatch("setup", spirv::setup, push.slotCount, push,
                       {texels("triangles", triangles, View::texelU32x4), texels("screen", screen, View::texelU32x4),
                        texels("sources", sources, View::texelU32), storage("Draws", draws), storage("Tiles", tiles),
                        storage("Entries", entries), storage("Overflow", overflow)},

@@ -11,7 +11,7 @@ namespace plumb {
 DrawList chunkOf(const DrawList& list, uint32_t first, uint32_t count) {
     DrawList chunk;
     chunk.objects = list.objects;
-    chunk.numbers = list.numbers;
+    chunk.precision = list.precision;
     chunk.longs = list.longs;
     chunk.materials = list.materials;
     chunk.lights = list.lights;
@@ -56,7 +56,7 @@ DrawList chunkOf(const DrawList& list, uint32_t first, uint32_t count) {
                 slot = uint32_t(chunk.facePositions.size());
                 chunk.facePositions.push_back(list.facePositions[face]);
                 chunk.faceNormals.push_back(list.faceNormals[face]);
-                if (!list.facePlaces.empty()) chunk.facePlaces.push_back(list.facePlaces[face]);
+                if (!list.faceCentres.empty()) chunk.faceCentres.push_back(list.faceCentres[face]);
                 chunk.faceMaterial.push_back(list.faceMaterial[face]);
                 chunk.facePrimitive.push_back(list.facePrimitive[face]);
             }

@@ -25,14 +25,14 @@ struct DrawList {
     };
     std::vector<Range> ranges;
     std::vector<gpu::ObjectRecord> objects;
-    Numbers numbers = Numbers::fp32;
-    std::vector<gpu::LongRecord> longs;         // one an object, unless `numbers` is fp32
+    Precision precision = Precision::fp32;
+    std::vector<gpu::LongRecord> longs;         // one an object, unless `precision` is fp32
     std::vector<glm::vec4> positions, normals;  // per vertex, object space; w unused
     std::vector<uint32_t> vertexMaterial;
     std::vector<glm::uvec4> triangles;                  // vertices counter-clockwise as seen from the front, material
     std::vector<uint32_t> triangleFace;                 // index into the face stream
     std::vector<glm::vec4> facePositions, faceNormals;  // flat shading: one point a face
-    std::vector<glm::vec4> facePlaces;                  // centre of each face relative to the eye, world axes; only for directions of faces
+    std::vector<glm::vec4> faceCentres;                 // centre of each face relative to the eye, world axes; only for directions of faces
     std::vector<uint32_t> faceMaterial, facePrimitive;  // primitive_id of a face
     std::vector<glm::uvec2> edges;                      // wire frame
     std::vector<uint32_t> edgeFace;                     // index into the face stream for each edge; only when hidden lines are removed

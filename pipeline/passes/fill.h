@@ -83,7 +83,7 @@ struct FillBuffers {
     const Buffer<uint32_t>& encodeTable;
     const Buffer<glm::uvec4>& colours;
     const Buffer<glm::uvec4>& planes;
-    const Buffer<glm::vec4>& places;            // centres of the triangles' faces; kVectorsFace
+    const Buffer<glm::vec4>& triangleCentres;   // centres of the triangles' faces; kVectorsFace
     uint64_t firstColour = 0, colourCount = 0;  // the band's part of colours; 0: all
 };
 // Begins to make the pipeline of a recordFill() with these choices.

@@ -145,23 +145,23 @@ private:
         return v;
     }
 
-    // Returns a direction as `toward` makes it at a place: of the triangle's face, or interpolated between its corners.
+    // Returns a direction as `toward` makes it at a point: of the triangle's face, or interpolated between its corners.
     template <class Toward>
     gpu::Toward directionOf(const gpu::DrawTriangle& d, const gpu::Shares& shares, const Toward& toward) const {
         if (choices_.vectors == gpu::kVectorsFace) {
-            const glm::vec4& p = list_.facePlaces[list_.triangleFace[d.source]];
-            return toward(gpu::Place{p.x, p.y, p.z});
+            const glm::vec4& p = list_.faceCentres[list_.triangleFace[d.source]];
+            return toward(gpu::Position{p.x, p.y, p.z});
         }
         gpu::Toward t[3];
         for (int i = 0; i < 3; ++i) {
             const gpu::ScreenVertex& v = screen_[d.vertex[i]];
-            t[i] = toward(gpu::placeOfCorner(v.x, v.y, v.z, list_.viewport.near, list_.rayOrigin, list_.rayX, list_.rayY));
+            t[i] = toward(gpu::positionOfCorner(v.x, v.y, v.z, list_.viewport.near, list_.rayOrigin, list_.rayX, list_.rayY));
         }
         return gpu::Toward{gpu::shared3(shares, t[0].x, t[1].x, t[2].x), gpu::shared3(shares, t[0].y, t[1].y, t[2].y),
                            gpu::shared3(shares, t[0].z, t[1].z, t[2].z), gpu::shared3(shares, t[0].fade, t[1].fade, t[2].fade)};
     }
 
-    // Returns normal, place and direction to the eye of a pixel.
+    // Returns normal, position and direction to the eye of a pixel.
     gpu::Surface surfaceAt(size_t at, const gpu::DrawTriangle& d, const Attributes& v) const {
         gpu::Surface s{};
         s.nx = v.value[0];
@@ -180,7 +180,7 @@ private:
         s.py = ry * w;
         s.pz = rz * w;
         if (choices_.vectors != gpu::kVectorsPixel && choices_.parts.specular && list_.towardViewer == glm::vec3(0)) {
-            const gpu::Toward eye = directionOf(d, v.shares, [](const gpu::Place& p) { return gpu::eyeFrom(p); });
+            const gpu::Toward eye = directionOf(d, v.shares, [](const gpu::Position& p) { return gpu::eyeFrom(p); });
             s.vx = eye.x;
             s.vy = eye.y;
             s.vz = eye.z;
@@ -191,11 +191,11 @@ private:
     void addLights(const gpu::DrawTriangle& d, const gpu::MaterialRecord& m, const Attributes& v, const gpu::Surface& s,
                    gpu::Colour& c) const {
         for (const gpu::LightRecord& light : list_.lights) {
-            const glm::vec4 place(light.place, light.kind), intensity(light.intensity, light.attenuation);
+            const glm::vec4 lamp(light.position, light.kind), intensity(light.intensity, light.attenuation);
             if (choices_.vectors == gpu::kVectorsPixel || light.kind == 0) {
-                gpu::addLight(place, intensity, s, reflectanceOf(m), choices_.parts, c);
+                gpu::addLight(lamp, intensity, s, reflectanceOf(m), choices_.parts, c);
             } else {
-                const auto lamp = [&](const gpu::Place& p) { return gpu::lampFrom(place, light.attenuation, p); };
+                const auto lamp = [&](const gpu::Position& p) { return gpu::lampFrom(lamp, light.attenuation, p); };
                 gpu::addLightFrom(directionOf(d, v.shares, lamp), intensity, s, reflectanceOf(m), choices_.parts, c);
             }
         }
@@ -221,7 +221,7 @@ void fillCpu(const gpu::FrameBox& frame, std::span<const gpu::DrawTriangle> draw
         std::fill(draw.begin() + ptrdiff_t(begin * frame.width), draw.begin() + ptrdiff_t(end * frame.width), 0u);
         for (uint32_t t = 0; t < draws.size(); ++t) {
             const gpu::DrawTriangle& d = draws[t];
-            if (d.vertex[0] == d.vertex[1]) continue;  // unused place of a clip fan
+            if (d.vertex[0] == d.vertex[1]) continue;  // unused slot of a clip fan
             const int lowY = std::min({screen[d.vertex[0]].y, screen[d.vertex[1]].y, screen[d.vertex[2]].y});
             const int highY = std::max({screen[d.vertex[0]].y, screen[d.vertex[1]].y, screen[d.vertex[2]].y});
             const int64_t firstRow = std::max<int64_t>(gpu::firstPixel(lowY), bandFirst);

@@ -73,7 +73,7 @@ void recordFill(Recorder& recorder, const gpu::FillPush& push, const FillChoices
         texels("encodeTable", b.encodeTable, View::texelU32),
         storage("Colours", b.colours, b.firstColour, b.colourCount),
         storage("Planes", b.planes)};
-    if (choices.vectors != gpu::kVectorsPixel) bindings.push_back(texels("places", b.places, View::texelF32x4));
+    if (choices.vectors != gpu::kVectorsPixel) bindings.push_back(texels("triangleCentres", b.triangleCentres, View::texelF32x4));
     recorder.dispatch("fill", moduleOf(choices), uint64_t(push.tileCount) * 8, push, bindings,
                       constantsOf(choices, push.toward != glm::vec3(0), exact));
 }

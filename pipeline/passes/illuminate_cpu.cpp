@@ -20,8 +20,8 @@ void illuminateCpu(const gpu::IlluminatePush& push, const gpu::ShadeParts& parts
                 gpu::surfaceOfPoint(objects[push.object], push.toward != glm::vec3(0), push.toward, p.x, p.y, p.z, n.x, n.y, n.z);
             gpu::Colour c{m.base.x, m.base.y, m.base.z};
             for (const gpu::LightRecord& light : lights)
-                gpu::addLight(glm::vec4(light.place, light.kind), glm::vec4(light.intensity, light.attenuation), surface, reflectanceOf(m),
-                              parts, c);
+                gpu::addLight(glm::vec4(light.position, light.kind), glm::vec4(light.intensity, light.attenuation), surface,
+                              reflectanceOf(m), parts, c);
             colours[i] = {c.r, c.g, c.b, 0.0f};
         }
     });

@@ -19,9 +19,9 @@ struct ScanList {
     std::vector<gpu::ScanEdge> edges;
     std::vector<gpu::ScanPolygon> polygons;
     int width = 0, height = 0;
-    uint64_t spans = 0;   // lines of all polygons within the canvas
-    bool zBuffer = true;  // false: later polygons paint over earlier ones
-    std::string source;   // object that the next polygons belong to, and where its file states it; for refusals
+    uint64_t spans = 0;    // lines of all polygons within the canvas
+    bool zBuffer = true;   // false: later polygons paint over earlier ones
+    std::string location;  // object that the next polygons belong to, and where its file states it; for refusals
 
     // Adds a convex polygon, corners in either sense around it, none beyond kScanFarthestPixel. False when there is nothing to paint.
     // Throws Error(input) for more than 2^31 lines.

@@ -74,7 +74,7 @@ bool ScanList::add(std::span<const gpu::ScanCorner> polygon) {
             p.columnCount = std::min(gpu::kScanBlock, endColumn - column);
             p.firstSpan = uint32_t(spans);
             spans += uint64_t(p.lineCount);
-            if (spans > 0x7fffffffu) throw inputError(source, "with it, --fill notes has more than 2^31 lines of polygons");
+            if (spans > 0x7fffffffu) throw inputError(location, "with it, --fill notes has more than 2^31 lines of polygons");
             polygons.push_back(p);
         }
     }

@@ -22,8 +22,8 @@ struct SphereList {
     // Adds a sphere. False: it does not meet the canvas and is left out.
     bool add(const gpu::SphereDisc& disc);
     // Makes the rows. Throws Error(input) when a row has more than gpu::kSpheresOfRow spheres, or all rows more than 2^31. It names the
-    // first disc that is one too many by `sourceOf(index)`, which says where a file states it.
-    void close(const std::function<std::string(size_t)>& sourceOf);
+    // first disc that is one too many by `locationOf(index)`, which says where a file states it.
+    void close(const std::function<std::string(size_t)>& locationOf);
 
     int width = 0, height = 0;
     std::vector<gpu::SphereDisc> discs;

@@ -17,7 +17,7 @@ bool SphereList::add(const gpu::SphereDisc& d) {
     return true;
 }
 
-void SphereList::close(const std::function<std::string(size_t)>& sourceOf) {
+void SphereList::close(const std::function<std::string(size_t)>& locationOf) {
     const auto rowsOf = [&](const gpu::SphereDisc& d) {
         return std::pair(size_t(std::max(0, d.row - d.reach)), size_t(std::min(height - 1, d.row + d.reach)));
     };
@@ -26,10 +26,10 @@ void SphereList::close(const std::function<std::string(size_t)>& sourceOf) {
     for (size_t i = 0; i < discs.size(); ++i)
         for (auto [y, last] = rowsOf(discs[i]); y <= last; ++y) {
             if (++counts[y + 1] > uint64_t(gpu::kSpheresOfRow))
-                throw inputError(sourceOf(i),
+                throw inputError(locationOf(i),
                                  fmt::format("--fill notes tries at most {} spheres a pixel, and row {} of the picture meets more",
                                              gpu::kSpheresOfRow, y));
-            if (++all > 0x7fffffffu) throw inputError(sourceOf(i), "with it, the spheres of --fill notes meet more than 2^31 rows");
+            if (++all > 0x7fffffffu) throw inputError(locationOf(i), "with it, the spheres of --fill notes meet more than 2^31 rows");
         }
     for (size_t y = 0; y < size_t(height); ++y) counts[y + 1] += counts[y];
     rowFirst.assign(counts.begin(), counts.end());
@@ -67,7 +67,8 @@ SphereCanvas spheresCpu(const SphereList& list, const SphereLight& light, uint32
             const gpu::MaterialRecord& m = light.materials[d.material];
             gpu::Colour c{m.base.x, m.base.y, m.base.z};
             for (const gpu::LightRecord& l : light.lights)
-                gpu::addLight(glm::vec4(l.place, l.kind), glm::vec4(l.intensity, l.attenuation), surface, reflectanceOf(m), light.parts, c);
+                gpu::addLight(glm::vec4(l.position, l.kind), glm::vec4(l.intensity, l.attenuation), surface, reflectanceOf(m), light.parts,
+                              c);
             canvas.colour[pixel] = {c.r, c.g, c.b, 0.0f};
         }
     });

@@ -61,11 +61,11 @@ void OverflowedTiles::addSetUp(std::span<const uint32_t> overflow, std::span<con
     }
 }
 
-void OverflowedTiles::addWalked(std::span<const uint32_t> overflow, std::span<const PlacedTriangle> list,
+void OverflowedTiles::addWalked(std::span<const uint32_t> overflow, std::span<const SlottedTriangle> list,
                                 std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen) {
     for (size_t i = 0; i < overflow.size(); ++i) {
         if (overflow[i] == 0) continue;
-        const uint32_t slot = list.empty() ? uint32_t(i) : list[i].place;
+        const uint32_t slot = list.empty() ? uint32_t(i) : list[i].slot;
         const uint32_t* v = draws[slot].vertex;
         const glm::ivec4 box = boxInBand(push_, screen[v[0]], screen[v[1]], screen[v[2]]);
         const int columns = box.z - box.x + 1;

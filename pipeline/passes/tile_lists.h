@@ -31,7 +31,7 @@ public:
     // Only for a band that is the whole frame.
     void addSetUp(std::span<const uint32_t> overflow, std::span<const gpu::DrawTriangle> draws, std::span<const gpu::ScreenVertex> screen);
     // Adds what walked triangles found no room for. overflow[i] belongs to draw list[i], or to draw i when there is no list.
-    void addWalked(std::span<const uint32_t> overflow, std::span<const PlacedTriangle> list, std::span<const gpu::DrawTriangle> draws,
+    void addWalked(std::span<const uint32_t> overflow, std::span<const SlottedTriangle> list, std::span<const gpu::DrawTriangle> draws,
                    std::span<const gpu::ScreenVertex> screen);
     void addStrips(std::span<const uint32_t> overflow, std::span<const glm::uvec4> strips);
     // End so far of a moved tile's list.

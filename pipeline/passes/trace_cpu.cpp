@@ -206,8 +206,8 @@ private:
         const gpu::Reflectance k{m.diffuse.x, m.diffuse.y, m.diffuse.z, m.specular.x, m.specular.y, m.specular.z, m.shininess, m.zeroPower};
         for (size_t i = 0; i < scene_.lights.size(); ++i) {
             const gpu::LightRecord& light = scene_.lights[i];
-            const glm::vec4 place(light.place, light.kind);
-            gpu::ShadowRay shadowRay = gpu::shadowRayTo(place, q);
+            const glm::vec4 position(light.position, light.kind);
+            gpu::ShadowRay shadowRay = gpu::shadowRayTo(position, q);
             float share = 0;
             if (gpu::dot3(n, shadowRay.direction) > 0.0f && gpu::dot3(geometric, shadowRay.direction) > 0.0f) {
                 ++counters_[(ray.depth - 1) * gpu::kCountKinds + gpu::kCountShadowRays];
@@ -216,7 +216,7 @@ private:
                                                         gpu::keyOfChild(ray.key, gpu::kFirstShadowKey + uint32_t(i)));
                 share = choices_.shadows ? passed(q, shadowRay, seen.hit.object, within) : 1.0f;
             }
-            gpu::addLight(place, glm::vec4(light.intensity * share, light.attenuation), surface, k, choices_.parts, c);
+            gpu::addLight(position, glm::vec4(light.intensity * share, light.attenuation), surface, k, choices_.parts, c);
         }
         return {c.r, c.g, c.b};
     }

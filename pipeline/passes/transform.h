@@ -16,12 +16,12 @@ enum class Normals : uint32_t { none, direction, unit };
 
 // Input and output of the more accurate transforms: records of the objects, and clip-space x, y, w of the vertices.
 struct LongTransform {
-    Numbers numbers = Numbers::fp32;  // fp32: the other fields are not read
+    Precision precision = Precision::fp32;  // fp32: the other fields are not read
     std::span<const gpu::LongRecord> records;
     std::span<glm::vec4> clipSpace;
 };
 struct LongBuffers {
-    Numbers numbers;
+    Precision precision;
     const Buffer<gpu::LongRecord>& records;
     const Buffer<glm::vec4>& clipSpace;
 };

@@ -13,9 +13,9 @@ void transformCpu(const gpu::TransformPush& push, Normals writeNormals, std::spa
         for (uint64_t i = push.firstVertex + begin; i < push.firstVertex + end; ++i) {
             const glm::vec3 p(positions[i]);
             glm::vec3 clip(gpu::rowTimesPoint(o.rowX, p), gpu::rowTimesPoint(o.rowY, p), gpu::rowTimesPoint(o.rowW, p));
-            if (longer.numbers != Numbers::fp32) {
+            if (longer.precision != Precision::fp32) {
                 const gpu::LongRecord& record = longer.records[push.object];
-                clip = longer.numbers == Numbers::fp64 ? gpu::doubleClip(record, p) : gpu::blockClip(record, p);
+                clip = longer.precision == Precision::fp64 ? gpu::doubleClip(record, p) : gpu::blockClip(record, p);
                 longer.clipSpace[i] = glm::vec4(clip, 0.0f);
             }
             screen[i] = gpu::project(clip.x, clip.y, clip.z, push.viewport);

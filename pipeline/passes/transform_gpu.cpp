@@ -35,7 +35,7 @@ void recordLongTransform(Recorder& recorder, Device& device, const gpu::Transfor
                          const Specialization& exact, const Buffer<glm::vec4>& positions, const Buffer<glm::vec4>& normals,
                          const Buffer<gpu::ObjectRecord>& objects, const Buffer<gpu::ScreenVertex>& screen,
                          const Buffer<glm::vec4>& attributes, const LongBuffers& longer) {
-    const bool binary64 = longer.numbers == Numbers::fp64;
+    const bool binary64 = longer.precision == Precision::fp64;
     if (binary64)
         if (const std::string lacks = lacksBinary64(device); !lacks.empty()) throw usageError("transform=fp64: " + lacks);
     recorder.dispatch(

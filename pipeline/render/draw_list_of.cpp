@@ -108,7 +108,7 @@ bool reaches(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double focal)
     return near;
 }
 
-// A point light as the framed centre sees it: one direction, and what reaches that place.
+// A point light as the framed centre sees it: one direction, and what reaches that point.
 Light lampFromCentre(const Light& light, const Camera& camera) {
     if (light.directional) return light;
     const glm::dvec3 toLamp = light.position - (camera.eye + camera.forward * camera.focusDistance);
@@ -163,16 +163,16 @@ bool ListBuilder::placeObjects() {
         if (missing || (needless && exactly)) return false;
     }
     p_.counters.objectsDrawn = uint64_t(std::count(outside.begin(), outside.end(), false));
-    list_.facePlaces.clear();
+    list_.faceCentres.clear();
     for (const DrawList::Range& r : list_.ranges) {
         const Object& object = scene_.objects[r.sceneObject];
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         const glm::dmat4 toWorld = worldFromMesh(scene_, object);
         if (isTurned(toWorld) != r.turned) return false;
         list_.objects[r.record] = recordOf(toWorld, view_);
-        if (list_.numbers != Numbers::fp32) list_.longs[r.record] = longRecordOf(toWorld, mesh, view_);
+        if (list_.precision != Precision::fp32) list_.longs[r.record] = longRecordOf(toWorld, mesh, view_);
         if (!reaches(list_.objects[r.record], mesh, view_.focal)) return false;
-        addPlaces(mesh, toWorld);
+        addCentres(mesh, toWorld);
     }
     return true;
 }
@@ -212,14 +212,14 @@ void ListBuilder::addObject(uint32_t index) {
         throw inputError(scene_.path, "the scene has more than 2^31 vertices or triangles");
     const glm::dmat4 toWorld = worldFromMesh(scene_, object);
     list_.objects.push_back(recordOf(toWorld, view_));
-    if (list_.numbers != Numbers::fp32) list_.longs.push_back(longRecordOf(toWorld, mesh, view_));
+    if (list_.precision != Precision::fp32) list_.longs.push_back(longRecordOf(toWorld, mesh, view_));
     if (!reaches(list_.objects.back(), mesh, view_.focal))
-        throw inputError(placeOfPart(object.place, scene_.path, "object", object.name),
+        throw inputError(locationOfPart(object.location, scene_.path, "object", object.name),
                          "it reaches further from the eye than 2^60 times the near plane: move the object or the camera, or change the "
                          "scale or the near plane");
     addStreams(mesh);
     addFaces(mesh);
-    addPlaces(mesh, toWorld);
+    addCentres(mesh, toWorld);
     const bool swap = r.turned = isTurned(toWorld);
     for (const TriangleMesh::Triangle& t : mesh.triangles) {
         list_.triangles.emplace_back(r.firstVertex + t.vertex[0], r.firstVertex + t.vertex[swap ? 2 : 1],
@@ -246,14 +246,14 @@ void ListBuilder::addFaces(const TriangleMesh& mesh) {
     }
 }
 
-void ListBuilder::addPlaces(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh) {
+void ListBuilder::addCentres(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh) {
     if (request_.trade.vectors != Trade::Vectors::face) return;
     const glm::dmat4 viewed = view_.viewedFromMesh(worldFromMesh);
     for (const glm::vec3& centre : mesh.faceCentre) {
-        glm::vec4 place(viewed * glm::dvec4(centre, 1));
+        glm::vec4 centre(viewed * glm::dvec4(centre, 1));
         for (int i = 0; i < 3; ++i)
-            if (std::abs(place[i]) < std::numeric_limits<float>::min()) place[i] = 0;
-        list_.facePlaces.push_back(place);
+            if (std::abs(centre[i]) < std::numeric_limits<float>::min()) centre[i] = 0;
+        list_.faceCentres.push_back(centre);
     }
 }
 
@@ -276,9 +276,9 @@ void ListBuilder::addLight(const Light& stated) {
     }
     l.attenuation = float(int(light.attenuation));
     l.kind = light.directional ? 0.0f : 1.0f;
-    l.place = light.directional ? glm::vec3(glm::normalize(light.direction)) : glm::vec3((light.position - view_.eye) * view_.unit);
-    const auto refuse = [&](const char* why) { throw inputError(placeOfPart(stated.place, scene_.path, "light", ""), why); };
-    if (!light.directional && !(glm::length(glm::dvec3(l.place)) <= kFarthest))
+    l.position = light.directional ? glm::vec3(glm::normalize(light.direction)) : glm::vec3((light.position - view_.eye) * view_.unit);
+    const auto refuse = [&](const char* why) { throw inputError(locationOfPart(stated.location, scene_.path, "light", ""), why); };
+    if (!light.directional && !(glm::length(glm::dvec3(l.position)) <= kFarthest))
         refuse("a point light is further from the eye than 2^60 times the near plane");
     if (!(std::max({l.intensity.x, l.intensity.y, l.intensity.z}) <= 0x1p100f))
         refuse(

@@ -29,7 +29,7 @@ private:
     void addObject(uint32_t index);
     void addStreams(const TriangleMesh& mesh);
     void addFaces(const TriangleMesh& mesh);
-    void addPlaces(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh);
+    void addCentres(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh);
     bool isOutside(const Object& object) const;
     bool isTurned(const glm::dmat4& worldFromMesh) const;
     void addLight(const Light& stated);

@@ -100,18 +100,18 @@ uint32_t shadingOf(const RenderRequest& request) {
 
 void refuseNoZBuffer(const Scene& scene) {
     if (!scene.zBuffer)
-        throw inputError(scene.zBufferPlace.empty() ? printablePath(scene.path) : scene.zBufferPlace,
+        throw inputError(scene.zBufferLocation.empty() ? printablePath(scene.path) : scene.zBufferLocation,
                          "z_buffer = false is for the polygons of --fill notes; every other picture needs one");
 }
 
-std::string firstShapePlace(const Scene& scene) {
-    const std::string place = !scene.spheres.empty() ? scene.spheres[0].place : !scene.planes.empty() ? scene.planes[0].place : "";
-    return place.empty() ? printablePath(scene.path) : place;
+std::string firstShapeLocation(const Scene& scene) {
+    const std::string location = !scene.spheres.empty() ? scene.spheres[0].location : !scene.planes.empty() ? scene.planes[0].location : "";
+    return location.empty() ? printablePath(scene.path) : location;
 }
 
 void refuseShapes(const Scene& scene) {
     if (onlyRaysDraw(scene))
-        throw inputError(firstShapePlace(scene), "it has spheres or planes, which only --shading ray draws, spheres --fill notes too");
+        throw inputError(firstShapeLocation(scene), "it has spheres or planes, which only --shading ray draws, spheres --fill notes too");
 }
 
 bool placeAgain(const Scene& scene, const RenderRequest& request, Prepared& p) {
@@ -203,8 +203,8 @@ Prepared Preparing::finish() {
     if ((trade.vectors == Vectors::face || trade.vectors == Vectors::vertex) && p.choices.vectors == gpu::kVectorsPixel)
         plan.choices.push_back("light-vector: no pixel is lit by a direction of its own; nothing changes");
     if (trade.affine) plan.choices.push_back("interpolation: affine");
-    if (p.list.numbers == Numbers::blockInteger) plan.choices.push_back("transform: block-scaled integers, rounded to float32 once");
-    if (p.list.numbers == Numbers::fp64) plan.choices.push_back("transform: binary64, rounded to float32 at its end");
+    if (p.list.precision == Precision::blockInteger) plan.choices.push_back("transform: block-scaled integers, rounded to float32 once");
+    if (p.list.precision == Precision::fp64) plan.choices.push_back("transform: binary64, rounded to float32 at its end");
     if (trade.specular == Trade::Specular::native) plan.choices.push_back("specular: the device's own power (bounded)");
     if (trade.nativeEncode && request.encoding == Encoding::srgb) plan.choices.push_back("encode: the device's own power (bounded)");
     if (!trade.unitNormals)

@@ -18,7 +18,7 @@ uint32_t shadingOf(const RenderRequest& request);  // gpu::kShading of a raster 
 void refuseNoZBuffer(const Scene& scene);  // z_buffer = false
 void refuseShapes(const Scene& scene);     // spheres and planes
 // Location of the first sphere, or else of the first plane; for refusals.
-std::string firstShapePlace(const Scene& scene);
+std::string firstShapeLocation(const Scene& scene);
 
 // Prepares anew what depends on the scene's camera and on where its objects stand. False: an object comes into view that the list does not have, the
 // front of one turns round, or a light changes its kind; `p` is then not to be drawn.

@@ -43,32 +43,33 @@ public:
 
     void object(const Object& o) const {
         if (o.mesh >= scene_.meshes.size())
-            refuse(o.place, "object", o.name,
+            refuse(o.location, "object", o.name,
                    fmt::format("mesh is {}; the scene has {}, and the first is 0", o.mesh, scene_.meshes.size()));
         if (!entriesUsable(o.worldFromObject))
-            refuse(o.place, "object", o.name, "worldFromObject has an entry that is no number up to 2^100");
+            refuse(o.location, "object", o.name, "worldFromObject has an entry that is no number up to 2^100");
     }
 
-    void material(const std::string& place, std::string_view kind, const std::string& name, uint32_t index) const {
+    void material(const std::string& location, std::string_view kind, const std::string& name, uint32_t index) const {
         if (index >= scene_.materials.size())
-            refuse(place, kind, name, fmt::format("material is {}; the scene has {}, and the first is 0", index, scene_.materials.size()));
+            refuse(location, kind, name,
+                   fmt::format("material is {}; the scene has {}, and the first is 0", index, scene_.materials.size()));
     }
 
     void light(const Light& l) const {
         if (!isUsable(l.directional ? l.direction : l.position))
-            refuse(l.place, "light", "",
+            refuse(l.location, "light", "",
                    fmt::format("{} has a coordinate that is no number up to 2^100", l.directional ? "direction" : "position"));
         if (l.directional && !(glm::length(l.direction) > 0))
-            refuse(l.place, "light", "", "direction is 0 0 0; it points toward the light");
+            refuse(l.location, "light", "", "direction is 0 0 0; it points toward the light");
         for (int c = 0; c < 3; ++c)
             if (!(l.intensity[c] >= 0 && l.intensity[c] <= kMaxCoordinate))
-                refuse(l.place, "light", "",
+                refuse(l.location, "light", "",
                        fmt::format("intensity is {} in channel {}; it is 0 or more, at most 2^100", l.intensity[c], "RGB"[c]));
     }
 
 private:
-    [[noreturn]] void refuse(const std::string& place, std::string_view kind, const std::string& name, const std::string& why) const {
-        throw inputError(placeOfPart(place, file_, kind, name), why);
+    [[noreturn]] void refuse(const std::string& location, std::string_view kind, const std::string& name, const std::string& why) const {
+        throw inputError(locationOfPart(location, file_, kind, name), why);
     }
 
     const Scene& scene_;
@@ -81,8 +82,8 @@ void checkScene(const Scene& scene) {
     const Judge judge(scene);
     judge.camera();
     for (const Object& object : scene.objects) judge.object(object);
-    for (const SphereShape& sphere : scene.spheres) judge.material(sphere.place, "sphere", sphere.name, sphere.material);
-    for (const PlaneShape& plane : scene.planes) judge.material(plane.place, "plane", plane.name, plane.material);
+    for (const SphereShape& sphere : scene.spheres) judge.material(sphere.location, "sphere", sphere.name, sphere.material);
+    for (const PlaneShape& plane : scene.planes) judge.material(plane.location, "plane", plane.name, plane.material);
     for (const Light& light : scene.lights) judge.light(light);
 }
 

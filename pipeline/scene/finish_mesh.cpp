@@ -72,7 +72,7 @@ public:
         PLUMB_ASSERT(in_.faceFirst.size() == in_.faceMaterial.size() + 1 || in_.faceMaterial.empty());
         faces_ = in_.faceFirst.empty() ? 0 : in_.faceFirst.size() - 1;
         out_.name = in_.name;
-        out_.place = in_.place;
+        out_.location = in_.location;
         takeOrigin();
         weldPositions();
         takeNormals();
@@ -309,7 +309,7 @@ private:
 
     void makeVertices() {
         vertexOf_.resize(in_.corners.size());
-        std::vector<uint32_t> placeOfVertex;
+        std::vector<uint32_t> positionOfVertex;
         IndexTable table(positions_.size());
         const auto hash = [](uint32_t welded, const glm::vec3& normal, uint32_t material) {
             const auto b = bitsOf(normal);
@@ -326,11 +326,11 @@ private:
                 const uint32_t v = table.findOrAdd(
                     hash(where, normal, material), fresh,
                     [&](uint32_t i) {
-                        return placeOfVertex[i] == where && out_.vertexMaterial[i] == material && out_.normals[i] == normal;
+                        return positionOfVertex[i] == where && out_.vertexMaterial[i] == material && out_.normals[i] == normal;
                     },
-                    [&](uint32_t i) { return hash(placeOfVertex[i], out_.normals[i], out_.vertexMaterial[i]); });
+                    [&](uint32_t i) { return hash(positionOfVertex[i], out_.normals[i], out_.vertexMaterial[i]); });
                 if (v == fresh) {
-                    placeOfVertex.push_back(where);
+                    positionOfVertex.push_back(where);
                     out_.positions.push_back(positions_[where]);
                     if (!in_.positions.empty()) out_.stated.push_back(in_.positions[where]);
                     out_.normals.push_back(normal);
@@ -344,7 +344,7 @@ private:
     }
 
     [[noreturn]] void refuseUncut(size_t face) const {
-        throw inputError(in_.place.empty() ? printable(in_.name) : in_.place,
+        throw inputError(in_.location.empty() ? printable(in_.name) : in_.location,
                          fmt::format("face {} is concave and has {} corners, too many to triangulate", face,
                                      in_.faceFirst[face + 1] - in_.faceFirst[face]));
     }

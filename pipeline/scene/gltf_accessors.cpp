@@ -80,7 +80,7 @@ void Accessors::countCorners(uint64_t corners, const Value& at) {
 Accessor Accessors::at(const Value& index) {
     const Value& value = accessors_[index.index(accessors_.size(), "accessors")];
     Accessor result;
-    result.place = value.place();
+    result.location = value.location();
     const Value typeValue = value.required("type");
     const std::string& type = typeValue.text();
     static const std::map<std::string, int> kComponents{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},

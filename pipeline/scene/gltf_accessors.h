@@ -17,7 +17,7 @@ namespace plumb::gltf {
 
 // Every element lies inside its buffer. Without data every element is 0, and none may be asked for.
 struct Accessor {
-    std::string place;
+    std::string location;
     const char* data = nullptr;
     size_t stride = 0;  // bytes from one element to the next
     size_t count = 0;

@@ -65,7 +65,7 @@ std::string_view Buffers::file(const Value& uri) {
     const std::string& text = uri.text();
     if (text.find("://") != text.npos) uri.refuse("names a network address; only files are read");
     const std::filesystem::path path = resolveReference(referenceBase(container_.path(), reading_.options), percentDecoded(text),
-                                                        reading_.options.allowOutside, uri.place(), "buffer");
+                                                        reading_.options.allowOutside, uri.location(), "buffer");
     std::error_code code;
     if (!std::filesystem::exists(path, code)) uri.refuse(fmt::format("'{}' does not exist", printable(text)));
     const auto [known, isNew] = files_.try_emplace(path.lexically_normal().string());

@@ -27,7 +27,7 @@ static constexpr int kMaxJsonDepth = 64;
 Container::Container(const std::filesystem::path& path, const LoadOptions& options) : path_(path), bytes_(readInput(path, options)) {
     isGlb_ = bytes_.starts_with("glTF");
     if (const char* encoding = isGlb_ ? nullptr : otherEncoding(bytes_))
-        throw inputError(placeOfLine(path_, 1, 1), fmt::format("the text is {}; only UTF-8 is read", encoding));
+        throw inputError(locationOfLine(path_, 1, 1), fmt::format("the text is {}; only UTF-8 is read", encoding));
     parse(isGlb_ ? unpackGlb() : std::string_view(bytes_), options);
 }
 
@@ -39,7 +39,7 @@ std::string_view Container::unpackGlb() {
         std::memcpy(&value, all.data() + at, sizeof value);
         return value;
     };
-    const auto refuse = [&](size_t at, const std::string& text) -> Error { return inputError(placeOfByte(path_, at), text); };
+    const auto refuse = [&](size_t at, const std::string& text) -> Error { return inputError(locationOfByte(path_, at), text); };
     if (all.size() < 12) throw refuse(all.size(), "the file ends in the GLB header");
     if (word(4) != 2) throw refuse(4, fmt::format("GLB version {}; only 2 is read", word(4)));
     if (word(8) > all.size()) throw refuse(8, fmt::format("GLB length is {}, but the file has {} bytes", word(8), all.size()));
@@ -67,13 +67,13 @@ std::string_view Container::unpackGlb() {
     return text;
 }
 
-// Byte of the JSON text to a place: a line of a .gltf, a byte of a .glb.
-std::string Container::placeInJson(size_t byte) const {
-    if (isGlb_) return placeOfByte(path_, jsonStart_ + byte);
+// Byte of the JSON text to a location: a line of a .gltf, a byte of a .glb.
+std::string Container::locationInJson(size_t byte) const {
+    if (isGlb_) return locationOfByte(path_, jsonStart_ + byte);
     const std::string_view before = std::string_view(bytes_).substr(0, byte);
     const size_t lastLine = before.rfind('\n');
-    return placeOfLine(path_, size_t(std::count(before.begin(), before.end(), '\n')) + 1,
-                       byte - (lastLine == before.npos ? 0 : lastLine + 1) + 1);
+    return locationOfLine(path_, size_t(std::count(before.begin(), before.end(), '\n')) + 1,
+                          byte - (lastLine == before.npos ? 0 : lastLine + 1) + 1);
 }
 
 // Before parsing, because each level costs far more memory than its one byte.
@@ -90,7 +90,7 @@ void Container::refuseDeepJson(std::string_view text) const {
         } else if (c == '"') {
             inString = true;
         } else if (c == '[' || c == '{') {
-            if (++depth > kMaxJsonDepth) throw inputError(placeInJson(i), fmt::format("JSON is nested deeper than {}", kMaxJsonDepth));
+            if (++depth > kMaxJsonDepth) throw inputError(locationInJson(i), fmt::format("JSON is nested deeper than {}", kMaxJsonDepth));
         } else if (c == ']' || c == '}') {
             --depth;
         }
@@ -126,7 +126,7 @@ struct MeteredText {
 
 void Container::parse(std::string_view text, const LoadOptions& options) {
     if (text.size() > kMaxJsonBytes)
-        throw inputError(placeInJson(0), fmt::format("{} bytes of JSON, more than {}", text.size(), kMaxJsonBytes));
+        throw inputError(locationInJson(0), fmt::format("{} bytes of JSON, more than {}", text.size(), kMaxJsonBytes));
     refuseDeepJson(text);
     // "[json.exception.parse_error.101] parse error at line 1, column 2: what is wrong"
     const auto reason = [](std::string_view message) {
@@ -142,14 +142,14 @@ void Container::parse(std::string_view text, const LoadOptions& options) {
         LoadMeter meter(options, "parse", kReadEnds, kParseEnds, text.size());
         json_ = json::parse(MeteredText{text.data(), text.data(), &meter}, MeteredText{text.data() + text.size(), text.data(), nullptr});
     } catch (const json::parse_error& error) {
-        throw inputError(placeInJson(std::min(text.size(), error.byte == 0 ? 0 : error.byte - 1)), reason(error.what()));
+        throw inputError(locationInJson(std::min(text.size(), error.byte == 0 ? 0 : error.byte - 1)), reason(error.what()));
     } catch (const json::out_of_range& error) {
         // "number overflow parsing '1e999'" knows no position; the word is looked up.
         const std::string_view message = error.what();
         const size_t open = message.find('\''), close = message.rfind('\'');
         size_t at = 0;
         if (open != message.npos && close > open + 1) at = text.find(message.substr(open + 1, close - open - 1));
-        throw inputError(placeInJson(at == text.npos ? 0 : at), reason(message));
+        throw inputError(locationInJson(at == text.npos ? 0 : at), reason(message));
     }
 }
 

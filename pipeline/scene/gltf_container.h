@@ -28,7 +28,7 @@ public:
 private:
     std::string_view unpackGlb();
     void refuseDeepJson(std::string_view text) const;
-    std::string placeInJson(size_t byte) const;
+    std::string locationInJson(size_t byte) const;
     void parse(std::string_view text, const LoadOptions& options);
 
     std::filesystem::path path_;

@@ -33,7 +33,7 @@ double factor(const Value& value, double least, double most, const Reading& read
     const double inside = std::clamp(stated, least, most);
     if (inside != stated)
         reading.tolerance.pass(
-            "it is clamped", [&] { return value.place(); },
+            "it is clamped", [&] { return value.location(); },
             [&] { return fmt::format("is {}, outside {:g} to {:g}; ", stated, least, most); });
     return inside;
 }

@@ -94,20 +94,20 @@ public:
     PolygonMesh::Corner corner(size_t i) {
         const uint32_t vertex = vertexOf(i);
         if (vertex >= data_.position.count)
-            throw inputError(data_.indices->place,
+            throw inputError(data_.indices->location,
                              fmt::format("element {} is vertex {}, but POSITION has {}", i, vertex, data_.position.count));
         if (!known_.empty() && known_[vertex].position != kNone) return known_[vertex];
         glm::dvec3 read(0);
         int bad = load(data_.position, vertex, read);
         if (bad < 3)
-            throw inputError(data_.position.place, fmt::format("element {}: POSITION {} is {}", vertex, "xyz"[bad],
-                                                               std::isnan(read[bad])   ? "NaN"
-                                                               : std::isinf(read[bad]) ? "infinite"
-                                                                                       : "above 2^100"));
+            throw inputError(data_.position.location, fmt::format("element {}: POSITION {} is {}", vertex, "xyz"[bad],
+                                                                  std::isnan(read[bad])   ? "NaN"
+                                                                  : std::isinf(read[bad]) ? "infinite"
+                                                                                          : "above 2^100"));
         const glm::dvec3 atRest = rest_.position(vertex, read);
         for (int i = 0; i < 3; ++i)
             if (!(std::abs(atRest[i]) <= kMaxCoordinate))
-                throw inputError(data_.position.place, fmt::format("element {}: at rest POSITION {} is above 2^100", vertex, "xyz"[i]));
+                throw inputError(data_.position.location, fmt::format("element {}: at rest POSITION {} is above 2^100", vertex, "xyz"[i]));
         PolygonMesh::Corner made{positions_.add(atRest)};
         if (data_.normal) {
             bad = load(*data_.normal, vertex, read);
@@ -227,7 +227,7 @@ uint32_t Meshes::inScene(const Value& index, const Rest& rest) {
     MeshParts parts{mesh, positions, normals};
     meshes_[i].required("primitives");
     for (const Value& primitive : meshes_[i].list("primitives")) readPrimitive(primitive, reading_, accessors_, materials_, rest, parts);
-    const uint32_t made = mesh.faceMaterial.empty() ? kNone : addMesh(reading_.scene, std::move(mesh), meshes_[i].place(), own);
+    const uint32_t made = mesh.faceMaterial.empty() ? kNone : addMesh(reading_.scene, std::move(mesh), meshes_[i].location(), own);
     if (shareable) shared_[i] = Shared{rest.weights, made};
     return made;
 }

@@ -27,11 +27,11 @@ namespace {
 using glm::dmat4;
 using glm::dvec4;
 
-// Translation, rotation by the quaternion q and scale, the scale first. `place` is refused where q is no rotation.
-dmat4 composed(const Value& place, const std::array<double, 3>& t, std::array<double, 4> q, const std::array<double, 3>& s) {
+// Translation, rotation by the quaternion q and scale, the scale first. `location` is refused where q is no rotation.
+dmat4 composed(const Value& location, const std::array<double, 3>& t, std::array<double, 4> q, const std::array<double, 3>& s) {
     const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     // Writers round quaternions to float or to a few decimals; anything further is not a rotation.
-    if (!(std::abs(length - 1) < 0.1)) place.refuse(fmt::format("is a quaternion of length {:g}, not 1", length));
+    if (!(std::abs(length - 1) < 0.1)) location.refuse(fmt::format("is a quaternion of length {:g}, not 1", length));
     for (double& component : q) component /= length;
     const auto [x, y, z, w] = q;
     dmat4 m(1.0);
@@ -99,7 +99,7 @@ private:
         size_t node, parent;
     };
 
-    // Places a node and all below it, each before its children. A tree may have any depth.
+    // Locations a node and all below it, each before its children. A tree may have any depth.
     void placeTree(size_t root) {
         std::vector<Reached> reached{{root, kNoNode}};
         while (!reached.empty()) {
@@ -234,7 +234,7 @@ private:
         object.name = scene.meshes[mesh].name;
         if (const auto name = node.find("name")) object.name = name->text();
         object.mesh = mesh;
-        object.place = node.place();
+        object.location = node.location();
         object.worldFromObject = worldFromMesh;
         scene.objects.push_back(std::move(object));
     }

@@ -24,7 +24,7 @@ struct Reading {
     void ignore(const Value& at, const std::string& what) const;
     // Passes over one more of `kind`, by the rule of tolerance.h.
     void pass(const Value& at, std::string_view kind) const {
-        tolerance.pass(kind, [&] { return at.place(); });
+        tolerance.pass(kind, [&] { return at.location(); });
     }
     // Ignores each extension of `owner` that is not `known`.
     void ignoreExtensions(const Value& owner, std::initializer_list<std::string_view> known) const;

@@ -19,7 +19,7 @@ static dvec3 vectorOf(const Accessor& from, size_t element, const char* name) {
     dvec3 v;
     for (int i = 0; i < 3; ++i) {
         v[i] = from.component(element, i);
-        if (!std::isfinite(v[i])) throw inputError(from.place, fmt::format("element {}: {} is not finite", element, name));
+        if (!std::isfinite(v[i])) throw inputError(from.location, fmt::format("element {}: {} is not finite", element, name));
     }
     return v;
 }
@@ -80,11 +80,11 @@ dmat4 RestVertices::worldFromVertex(size_t vertex) const {
         for (int i = 0; i < 4; ++i) {
             const double weight = influence.weights.component(vertex, i);
             if (!(std::abs(weight) <= 1e6))
-                throw inputError(influence.weights.place, fmt::format("element {}: a weight is {}", vertex, weight));
+                throw inputError(influence.weights.location, fmt::format("element {}: a weight is {}", vertex, weight));
             if (weight == 0) continue;
             const double joint = influence.joints.hasData() ? influence.joints.component(vertex, i) : 0;
             if (!(joint >= 0 && joint < double(rest_.joints.size())))
-                throw inputError(influence.joints.place,
+                throw inputError(influence.joints.location,
                                  fmt::format("element {}: the joint is {}; the skin has {}", vertex, joint, rest_.joints.size()));
             sum += rest_.joints[size_t(joint)] * weight;
             total += weight;

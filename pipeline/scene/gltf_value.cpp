@@ -9,9 +9,9 @@
 
 namespace plumb::gltf {
 
-void Value::refuse(std::string_view text) const { throw inputError(place(), std::string(text)); }
+void Value::refuse(std::string_view text) const { throw inputError(location(), std::string(text)); }
 
-std::string Value::place() const { return placeOfPointer(*file_, pointer_.empty() ? "/" : pointer_); }
+std::string Value::location() const { return locationOfPointer(*file_, pointer_.empty() ? "/" : pointer_); }
 
 std::optional<Value> Value::find(const char* key) const {
     wanted(node_->is_object(), "an object");

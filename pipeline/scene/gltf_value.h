@@ -23,7 +23,7 @@ public:
         : file_(&file), node_(&node), pointer_(std::move(pointer)) {}
 
     [[noreturn]] void refuse(std::string_view text) const;
-    std::string place() const;
+    std::string location() const;
 
     std::optional<Value> find(const char* key) const;  // of an object
     Value required(const char* key) const;

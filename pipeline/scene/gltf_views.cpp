@@ -62,7 +62,7 @@ void readLight(const Value& index, const std::vector<Value>& lights, const dmat4
     const Value typeValue = value.required("type");
     const std::string& type = typeValue.text();
     Light light;
-    light.place = value.place();
+    light.location = value.location();
     if (type == "directional") {
         light.direction = dvec3(worldFromNode[2]);  // it shines along -Z, so +Z is toward it
         if (largestMagnitude(light.direction) == 0) index.refuse("the node of the light has a scale of 0");

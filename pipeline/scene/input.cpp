@@ -160,11 +160,11 @@ bool isReadOnce(const fs::path& path) {
 }
 
 void rememberOnce(const fs::path& path, const LoadOptions& options) {
-    const std::string place = printablePath(path);
+    const std::string location = printablePath(path);
     // A FIFO is opened without waiting for its writer. poll() waits instead, and checks for an interrupt.
     const bool own = !isStandardInput(path);
     const int fd = own ? ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY) : STDIN_FILENO;
-    if (fd < 0) throw inputError(place, std::strerror(errno));
+    if (fd < 0) throw inputError(location, std::strerror(errno));
     const struct Closer {
         int fd;
         ~Closer() {
@@ -180,14 +180,14 @@ void rememberOnce(const fs::path& path, const LoadOptions& options) {
         if (done == bytes.size()) bytes.resize(std::min<uint64_t>(std::max<size_t>(kHeadBytes, 2 * done), kMaxFileBytes + 1));
         const ssize_t got = ::read(fd, bytes.data() + done, std::min<size_t>(bytes.size() - done, size_t(1) << 20));
         if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-        if (got < 0) throw inputError(place, std::strerror(errno));
+        if (got < 0) throw inputError(location, std::strerror(errno));
         if (got == 0) {
             bytes.resize(done);
             break;
         }
         done += size_t(got);
         if (done > kMaxFileBytes)
-            throw inputError(place, fmt::format("has more than {} bytes; at most {} are read", kMaxFileBytes, kMaxFileBytes));
+            throw inputError(location, fmt::format("has more than {} bytes; at most {} are read", kMaxFileBytes, kMaxFileBytes));
     }
     bytes.shrink_to_fit();
     (*options.once)[path.native()] = std::move(bytes);

@@ -55,7 +55,7 @@ static uint32_t addMeshOf(FileFormat format, Scene& scene, const std::filesystem
     const auto read = readerOf(format);
     PLUMB_ASSERT(read != nullptr);
     PolygonMesh polygons = read(path, options);
-    polygons.place = printablePath(path);
+    polygons.location = printablePath(path);
     if (options.strict && !polygons.ignored.empty())
         throw inputError(printablePath(path), polygons.ignored.front() + " would be ignored (--strict)");
     const bool bare = std::find(polygons.faceMaterial.begin(), polygons.faceMaterial.end(), kNone) != polygons.faceMaterial.end();

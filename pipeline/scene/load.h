@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From files to a Scene. Every refusal is Error(input) with place ("file:line:column", "file: byte N", "file: /pointer").
+// From files to a Scene. Every refusal is Error(input) with location ("file:line:column", "file: byte N", "file: /pointer").
 #pragma once
 
 #include "pipeline/scene/scene.h"

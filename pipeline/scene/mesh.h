@@ -48,7 +48,7 @@ struct PolygonMesh {
     std::vector<glm::vec3> colours;     // per position (PLY), or empty
     std::vector<std::string> ignored;   // features of the file that are not drawn, one entry a kind
     std::vector<std::string> warnings;  // counted ones, e.g. "material library 'x.mtl' is missing"
-    std::string place;                  // where the file states its faces: file:line:column, or the file; for messages
+    std::string location;               // where the file states its faces: file:line:column, or the file; for messages
 };
 
 // Mesh as drawn. A vertex is a distinct (position, normal, material) triple; a face keeps its own record for flat shading.
@@ -73,7 +73,7 @@ struct TriangleMesh {
     uint32_t selfCrossingFaces = 0;         // no ear was left: the rest of the face was cut as a fan
     uint32_t uncutFaces = 0;                // concave and too large to triangulate: they have no triangles
     uint32_t firstSelfCrossing = kNone;     // index of the first self-crossing face
-    std::string place;                      // where the file states its faces: file:line:column, or the file; for messages
+    std::string location;                   // where the file states its faces: file:line:column, or the file; for messages
     glm::vec3 boundsMin{0}, boundsMax{0};   // box of the positions, relative to the origin
     glm::dvec3 statedMin{0}, statedMax{0};  // box of the positions as the file states them, in the object's space
     glm::dvec3 lost{0};                     // largest distance of a vertex from the file's position, along each axis

@@ -31,7 +31,7 @@ std::string fileOf(const Scene& scene) { return scene.path.empty() ? "memory" : 
 
 class ArrayReader {
 public:
-    ArrayReader(const MeshArrays& arrays, std::string place) : arrays_(arrays), place_(std::move(place)) {}
+    ArrayReader(const MeshArrays& arrays, std::string location) : arrays_(arrays), place_(std::move(location)) {}
 
     PolygonMesh read() const {
         const size_t vertices = threes("positions", arrays_.positions.size(), "vertex", kMostVertices);
@@ -44,7 +44,7 @@ public:
             refuse(fmt::format("creaseDegrees is {:g}, outside 0 to 180", arrays_.creaseDegrees));
         PolygonMesh mesh;
         mesh.name = arrays_.name;
-        mesh.place = place_;
+        mesh.location = place_;
         mesh.positions.reserve(vertices);
         for (size_t v = 0; v < vertices; ++v) mesh.positions.push_back(glm::dvec3(vertex("positions", arrays_.positions, v)));
         for (size_t v = 0; hasNormals && v < vertices; ++v) mesh.normals.push_back(vertex("normals", arrays_.normals, v));
@@ -80,9 +80,9 @@ private:
     const std::string place_;
 };
 
-void checkMaterial(const Scene& scene, const std::string& place, uint32_t material) {
+void checkMaterial(const Scene& scene, const std::string& location, uint32_t material) {
     if (material < scene.materials.size()) return;
-    throw inputError(place, fmt::format("material is {}; the scene has {}, and the first is 0", material, scene.materials.size()));
+    throw inputError(location, fmt::format("material is {}; the scene has {}, and the first is 0", material, scene.materials.size()));
 }
 
 bool shows(const TriangleMesh& mesh, uint32_t material) {
@@ -113,9 +113,9 @@ uint32_t meshShowing(Scene& scene, uint32_t mesh, uint32_t material) {
 }  // namespace
 
 uint32_t addMaterial(Scene& scene, const Material& material) {
-    const std::string place = placeOfPart("", fileOf(scene), "material", material.name);
+    const std::string location = locationOfPart("", fileOf(scene), "material", material.name);
     const auto share = [&](const char* field, float value, float most = 1) {
-        if (!(value >= 0 && value <= most)) throw inputError(place, fmt::format("{} is {}, outside 0 to {}", field, value, most));
+        if (!(value >= 0 && value <= most)) throw inputError(location, fmt::format("{} is {}, outside 0 to {}", field, value, most));
     };
     for (int c = 0; c < 3; ++c) {
         share("ambient", material.ambient[c]);
@@ -126,7 +126,7 @@ uint32_t addMaterial(Scene& scene, const Material& material) {
     share("shininess", material.shininess, kMaxShininess);
     share("opacity", material.opacity);
     share("refractiveIndex", material.refractiveIndex, kMaxRefractiveIndex);
-    if (!(material.refractiveIndex > 0)) throw inputError(place, "refractiveIndex is 0; that of the outside is 1");
+    if (!(material.refractiveIndex > 0)) throw inputError(location, "refractiveIndex is 0; that of the outside is 1");
     share("reflect", material.reflect);
     share("transmit", material.transmit);
     if (!(material.local < 0)) share("local", material.local);
@@ -136,36 +136,36 @@ uint32_t addMaterial(Scene& scene, const Material& material) {
 
 uint32_t addMesh(Scene& scene, const MeshArrays& arrays, uint32_t material) {
     const PlainFloats plain;
-    const std::string place = placeOfPart("", fileOf(scene), "mesh", arrays.name);
-    PolygonMesh mesh = ArrayReader(arrays, place).read();
+    const std::string location = locationOfPart("", fileOf(scene), "mesh", arrays.name);
+    PolygonMesh mesh = ArrayReader(arrays, location).read();
     if (material == kNone && scene.materials.empty()) scene.materials.emplace_back();
     if (material == kNone) material = 0;
-    checkMaterial(scene, place, material);
+    checkMaterial(scene, location, material);
     mesh.faceMaterial.assign(mesh.faceFirst.size() - 1, material);
     LoadOptions options;
     options.creaseDegrees = arrays.creaseDegrees;
-    const uint32_t index = addMesh(scene, std::move(mesh), place, options);
-    warnOfRepairs(scene, index, place);
+    const uint32_t index = addMesh(scene, std::move(mesh), location, options);
+    warnOfRepairs(scene, index, location);
     return index;
 }
 
 uint32_t addObject(Scene& scene, uint32_t mesh, const glm::dmat4& worldFromObject, uint32_t material) {
     const PlainFloats plain;
     if (mesh >= scene.meshes.size())
-        throw inputError(placeOfPart("", fileOf(scene), "object", ""),
+        throw inputError(locationOfPart("", fileOf(scene), "object", ""),
                          fmt::format("mesh is {}; the scene has {}, and the first is 0", mesh, scene.meshes.size()));
-    const std::string place = placeOfPart("", fileOf(scene), "object", scene.meshes[mesh].name);
-    if (!entriesUsable(worldFromObject)) throw inputError(place, "worldFromObject has an entry that is no number up to 2^100");
+    const std::string location = locationOfPart("", fileOf(scene), "object", scene.meshes[mesh].name);
+    if (!entriesUsable(worldFromObject)) throw inputError(location, "worldFromObject has an entry that is no number up to 2^100");
     for (int column = 0; column < 4; ++column)
         if (worldFromObject[column][3] != (column == 3 ? 1 : 0))
-            throw inputError(place, "the last row of worldFromObject is not 0 0 0 1; matrices are stored column by column");
-    if (material != kNone) checkMaterial(scene, place, material);
+            throw inputError(location, "the last row of worldFromObject is not 0 0 0 1; matrices are stored column by column");
+    if (material != kNone) checkMaterial(scene, location, material);
     Object object;
     object.name = scene.meshes[mesh].name;
     object.mesh = material == kNone ? mesh : meshShowing(scene, mesh, material);
     object.worldFromObject = worldFromObject;
     if (!hasInverse(worldFromObject) && leavesNoArea(scene.meshes[object.mesh], worldFromObject))
-        scene.warnings.push_back(fmt::format("{}: it is flattened to a line or a point: no surface is left of it", place));
+        scene.warnings.push_back(fmt::format("{}: it is flattened to a line or a point: no surface is left of it", location));
     scene.objects.push_back(std::move(object));
     return uint32_t(scene.objects.size() - 1);
 }

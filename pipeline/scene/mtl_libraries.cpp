@@ -54,10 +54,10 @@ static std::string ownNameOf(std::string_view name) {
 }
 
 // Path of the library `name`; what does not exist here is looked for as another system may have written it.
-fs::path MtlLibraries::find(const std::string& place, std::string_view name) {
+fs::path MtlLibraries::find(const std::string& location, std::string_view name) {
     const fs::path base = referenceBase(obj_, options_);
     const auto resolved = [&](std::string_view reference) {
-        return resolveReference(base, reference, options_.allowOutside, place, "material library");
+        return resolveReference(base, reference, options_.allowOutside, location, "material library");
     };
     fs::path path = resolved(name);
     if (isThere(path)) return path;
@@ -76,13 +76,13 @@ fs::path MtlLibraries::find(const std::string& place, std::string_view name) {
         path = resolved((fs::path(own).parent_path() / found.front()).string());
     }
     tolerance_.pass(fmt::format("material library '{}' is read from '{}'", printable(name), printablePath(path.filename())),
-                    [&] { return place; });
+                    [&] { return location; });
     return path;
 }
 
 void MtlLibraries::load(Scanner& in) {
     const std::string_view all = in.restOfLine();
-    if (all.empty()) return tolerance_.pass("'mtllib' names no material library; it is passed over", [&] { return in.place(); });
+    if (all.empty()) return tolerance_.pass("'mtllib' names no material library; it is passed over", [&] { return in.location(); });
     if (!options_.keepMaterials) return;
     // A name may contain blanks, and the format also permits several names.
     if (loadNamed(in, all, all.find_first_of(" \t") == std::string_view::npos)) return;
@@ -95,12 +95,12 @@ void MtlLibraries::load(Scanner& in) {
 
 // Reads a material library. False when there is no such file; a missing file is noted when `last` says that the name can mean nothing else.
 bool MtlLibraries::loadNamed(const Scanner& in, std::string_view name, bool last) {
-    const std::string place = in.place();
-    const fs::path library = find(place, name);
+    const std::string location = in.location();
+    const fs::path library = find(location, name);
     if (!isThere(library)) {
         if (!last) return false;
-        if (options_.strict) throw inputError(place, fmt::format("material library '{}' is missing (--strict)", printable(name)));
-        if (missing_.empty()) missing_ = fmt::format("{}: material library '{}' is missing", place, printable(name));
+        if (options_.strict) throw inputError(location, fmt::format("material library '{}' is missing (--strict)", printable(name)));
+        if (missing_.empty()) missing_ = fmt::format("{}: material library '{}' is missing", location, printable(name));
         return true;
     }
     if (std::find(read_.begin(), read_.end(), library) != read_.end()) return true;
@@ -122,7 +122,7 @@ void MtlLibraries::read(const fs::path& path) {
             byName_.try_emplace(std::string(name), uint32_t(defined_.size()));
             defined = &defined_.emplace_back();
             defined->material.name = name;
-            defined->place = printablePath(path) + ": material '" + printable(name) + "'";
+            defined->location = printablePath(path) + ": material '" + printable(name) + "'";
         } else if (!key.empty() && key[0] != '#') {
             if (!defined) in.refuse(fmt::format("'{}' comes before newmtl", printable(key, 40)));
             try {
@@ -196,11 +196,11 @@ void MtlLibraries::take(const Defined& defined) {
     Material& material = mesh_.materials.emplace_back(defined.material);
     if (material.opacity < 1 && !illumIsGlass(material.illum)) {
         const std::string what = "transparency (d, Tr)";
-        if (options_.strict) throw inputError(defined.place, what + " would be ignored (--strict)");
+        if (options_.strict) throw inputError(defined.location, what + " would be ignored (--strict)");
         if (std::find(mesh_.ignored.begin(), mesh_.ignored.end(), what) == mesh_.ignored.end()) mesh_.ignored.push_back(what);
     }
     if (defined.emissionMapped && material.emission != glm::vec3(0)) {
-        tolerance_.pass("Ke is the factor of a texture that is not drawn; it is left out", [&] { return defined.place; });
+        tolerance_.pass("Ke is the factor of a texture that is not drawn; it is left out", [&] { return defined.location; });
         material.emission = glm::vec3(0);
     }
     // Kinds 0 and 1 of illum have no highlight, whatever Ks says. Kind 0 is the colour Kd without any light.
@@ -228,7 +228,7 @@ void MtlLibraries::assign(const std::vector<Used>& used) {
         if (defined.refusal) std::rethrow_exception(defined.refusal);
         drawn[found->second] = true;
         if (defined.clamped)
-            tolerance_.pass("a used material has values outside their range; they are clamped", [&] { return defined.place; });
+            tolerance_.pass("a used material has values outside their range; they are clamped", [&] { return defined.location; });
         indexOf[i] = uint32_t(mesh_.materials.size());
         take(defined);
     }
@@ -236,7 +236,7 @@ void MtlLibraries::assign(const std::vector<Used>& used) {
         if (material != kNone) material = indexOf[material];
     for (size_t i = 0; i < defined_.size(); ++i)
         if (defined_[i].refusal && !drawn[i])
-            tolerance_.pass("a material that no face has cannot be read; it is passed over", [&] { return defined_[i].place; });
+            tolerance_.pass("a material that no face has cannot be read; it is passed over", [&] { return defined_[i].location; });
     warn(lost, firstLost);
 }
 

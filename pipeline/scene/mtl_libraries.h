@@ -43,12 +43,12 @@ private:
         Material material;
         bool clamped = false;
         bool emissionMapped = false;  // by map_Ke
-        std::string place;            // for a warning
+        std::string location;         // for a warning
         std::exception_ptr refusal;   // of a statement that cannot be read
     };
 
     bool loadNamed(const Scanner& in, std::string_view name, bool last);
-    std::filesystem::path find(const std::string& place, std::string_view name);
+    std::filesystem::path find(const std::string& location, std::string_view name);
     void read(const std::filesystem::path& path);
     void property(Scanner& in, std::string_view key, Defined& defined);
     glm::vec3 colour(Scanner& in, std::string_view field, bool& clamped);

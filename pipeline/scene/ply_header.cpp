@@ -58,7 +58,7 @@ private:
             } else if (key == "comment") {
                 if (in_.word() == "TextureFile") ignore_("texture (comment TextureFile)");
             } else if (key != "obj_info" && !key.empty()) {
-                tolerance_.pass("a header line is no statement of PLY; it is passed over", [&] { return in_.place(); });
+                tolerance_.pass("a header line is no statement of PLY; it is passed over", [&] { return in_.location(); });
             }
             in_.skipLine();
         }

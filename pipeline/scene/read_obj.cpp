@@ -94,7 +94,7 @@ private:
     }
 
     void pass(const Scanner& in, std::string_view kind) {
-        tolerance_.pass(kind, [&] { return in.place(); });
+        tolerance_.pass(kind, [&] { return in.location(); });
     }
 
     static bool isMore(std::string_view word) { return !word.empty() && word[0] != '#'; }
@@ -232,12 +232,13 @@ private:
 
     void checkLaterCorner(const Scanner& in, const Later& later) {
         PolygonMesh::Corner& corner = mesh_.corners[later.corner];
-        const auto place = [&] { return in.placeAt(text_.data() + later.offset); };
+        const auto location = [&] { return in.locationAt(text_.data() + later.offset); };
         if (corner.position >= mesh_.positions.size())
-            throw inputError(place(), fmt::format("face corner: the vertex index is out of range; {} are defined", mesh_.positions.size()));
-        if (later.textureCoordinate != kNone && later.textureCoordinate >= textureCoordinates_) tolerance_.pass(kNoTexture, place);
+            throw inputError(location(),
+                             fmt::format("face corner: the vertex index is out of range; {} are defined", mesh_.positions.size()));
+        if (later.textureCoordinate != kNone && later.textureCoordinate >= textureCoordinates_) tolerance_.pass(kNoTexture, location);
         if (corner.normal != kNone && corner.normal >= mesh_.normals.size()) {
-            tolerance_.pass(kNoNormal, place);
+            tolerance_.pass(kNoNormal, location);
             corner.normal = kNone;
         }
     }
@@ -261,7 +262,7 @@ private:
         for (const char* kind : {"lines (l)", "points (p)"})
             if (std::find(mesh_.ignored.begin(), mesh_.ignored.end(), kind) != mesh_.ignored.end())
                 drawn += fmt::format("{}{}", drawn.empty() ? "" : " and ", kind);
-        throw inputError(in.placeAt(text_.data() + text_.size()),
+        throw inputError(in.locationAt(text_.data() + text_.size()),
                          drawn.empty() ? "the file ends and has no face" : fmt::format("the file has only {}; they are not drawn", drawn));
     }
 

@@ -90,7 +90,7 @@ private:
     static bool isMore(std::string_view word) { return !word.empty() && word[0] != '#'; }
 
     void pass(std::string_view kind) {
-        tolerance_.pass(kind, [&] { return in_.place(); });
+        tolerance_.pass(kind, [&] { return in_.location(); });
     }
 
     void ignore(const std::string& what) {
@@ -214,7 +214,7 @@ private:
             Scanner again(text_, path_, bad.offset);
             std::string_view word = again.wordAnywhere();
             if (!drawn[bad.index]) {
-                tolerance_.pass(kBadVertex, [&] { return again.place(); });
+                tolerance_.pass(kBadVertex, [&] { return again.location(); });
                 continue;
             }
             for (const char* field : {"vertex x", "vertex y", "vertex z"}) {  // one of them refuses

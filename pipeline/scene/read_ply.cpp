@@ -55,7 +55,7 @@ public:
         for (const Element& element : header_.elements) readElement(element);
         const size_t rest = text_.size() - at_;
         if (!header_.ascii && rest > 0)
-            tolerance_.pass(fmt::format("{} bytes after the last element are ignored", rest), [&] { return placeOfByte(path_, at_); });
+            tolerance_.pass(fmt::format("{} bytes after the last element are ignored", rest), [&] { return locationOfByte(path_, at_); });
         if (header_.ascii && !bodyWord().empty()) pass("data after the last element is ignored");
         checkIndices();
         checkBadVertices();
@@ -72,7 +72,7 @@ private:
     }
 
     void pass(std::string_view kind) {
-        tolerance_.pass(kind, [&] { return placeOfValue(); });
+        tolerance_.pass(kind, [&] { return locationOfValue(); });
     }
 
     void readElement(const Element& element) {
@@ -109,7 +109,7 @@ private:
             least += header_.ascii ? 2 : kTypeBytes[size_t(property.list ? property.countType : property.type)];
         const uint64_t rest = header_.ascii ? text_.size() - in_.offset() + 1 : text_.size() - at_;
         if (element.count > rest / least)
-            throw inputError(in_.placeAt(element.countAt),
+            throw inputError(in_.locationAt(element.countAt),
                              fmt::format("element {} has a count of {}; the rest of the file holds at most {}", printable(element.name, 40),
                                          element.count, rest / least));
         if (element.name == "vertex") {
@@ -165,7 +165,7 @@ private:
     std::string fieldOf(const Element& element, const Property& property, uint64_t item) const {
         return fmt::format("{} {} property {}", printable(element.name, 40), item, printable(property.name, 40));
     }
-    std::string placeOfValue() const { return header_.ascii ? in_.place() : placeOfByte(path_, valueAt_); }
+    std::string locationOfValue() const { return header_.ascii ? in_.location() : locationOfByte(path_, valueAt_); }
 
     double value(const Element& element, const Property& property, Type type, uint64_t item) {
         if (!header_.ascii) return binary(element, property, type, item);
@@ -203,7 +203,7 @@ private:
         const size_t size = kTypeBytes[size_t(type)];
         valueAt_ = at_;
         if (text_.size() - at_ < size)
-            throw inputError(placeOfByte(path_, text_.size()), fmt::format("the file ends inside {}", fieldOf(element, property, item)));
+            throw inputError(locationOfByte(path_, text_.size()), fmt::format("the file ends inside {}", fieldOf(element, property, item)));
         std::array<char, 8> raw{};
         std::memcpy(raw.data(), text_.data() + at_, size);
         if (header_.swap) std::reverse(raw.begin(), raw.begin() + std::ptrdiff_t(size));
@@ -262,12 +262,12 @@ private:
     void list(const Element& element, const Property& property, uint64_t item) {
         const double count = value(element, property, property.countType, item);
         const bool indices = property.role == kIndices, strips = property.role == kStrips;
-        if (count < 0) throw inputError(placeOfValue(), fmt::format("{} has {} entries", fieldOf(element, property, item), count));
+        if (count < 0) throw inputError(locationOfValue(), fmt::format("{} has {} entries", fieldOf(element, property, item), count));
         const bool drawn = strips || (indices && count >= 3);
         if (indices && !drawn) pass(kFewCorners);
         const size_t most = (text_.size() - at_) / kTypeBytes[size_t(property.type)];  // binary: at most the remaining bytes
         if (!header_.ascii && count > double(most))
-            throw inputError(placeOfValue(),
+            throw inputError(locationOfValue(),
                              fmt::format("{} has {} entries; the file ends before", fieldOf(element, property, item), count));
         stripLength_ = 0;
         for (double i = 0; i < count; ++i) {
@@ -289,11 +289,11 @@ private:
     }
 
     uint32_t vertexIndex(const Element& element, const Property& property, uint64_t item, double entry) const {
-        if (entry < 0) throw inputError(placeOfValue(), fmt::format("{} is negative: {}", fieldOf(element, property, item), entry));
+        if (entry < 0) throw inputError(locationOfValue(), fmt::format("{} is negative: {}", fieldOf(element, property, item), entry));
         const bool known = !mesh_.positions.empty();
         if (known ? entry >= double(mesh_.positions.size()) : entry >= double(kNone))
-            throw inputError(placeOfValue(), fmt::format("{} is {}; there are {} vertices", fieldOf(element, property, item), entry,
-                                                         mesh_.positions.size()));
+            throw inputError(locationOfValue(), fmt::format("{} is {}; there are {} vertices", fieldOf(element, property, item), entry,
+                                                            mesh_.positions.size()));
         return uint32_t(entry);
     }
 
@@ -315,13 +315,13 @@ private:
     void checkIndices() const {
         if (mesh_.faceMaterial.empty()) {
             const Element& element = elementNamed(header_.has[kIndices] ? "face" : "tristrips");
-            throw inputError(in_.placeAt(element.countAt),
+            throw inputError(in_.locationAt(element.countAt),
                              element.count == 0 ? fmt::format("element {} has a count of 0: the file has no face", element.name)
                                                 : fmt::format("element {} has no face of 3 corners or more", element.name));
         }
         for (size_t c = 0; c < mesh_.corners.size(); ++c)
             if (mesh_.corners[c].position >= mesh_.positions.size())
-                throw inputError(in_.placeAt(elementNamed(header_.has[kIndices] ? "face" : "tristrips").countAt),
+                throw inputError(in_.locationAt(elementNamed(header_.has[kIndices] ? "face" : "tristrips").countAt),
                                  fmt::format("vertex index {} of corner {}: there are {} vertices", mesh_.corners[c].position, c,
                                              mesh_.positions.size()));
     }
@@ -333,9 +333,9 @@ private:
         if (badVertices_.empty()) return;
         const std::vector<bool> drawn = drawnPositions(mesh_);
         for (const BadVertex& bad : badVertices_) {
-            const auto place = [&] { return header_.ascii ? in_.placeAt(text_.data() + bad.at) : placeOfByte(path_, bad.at); };
-            if (drawn[bad.index]) finiteFloat(bad.value, place(), fieldOf(elementNamed("vertex"), *bad.property, bad.index));  // refuses
-            tolerance_.pass(kBadVertex, place);
+            const auto location = [&] { return header_.ascii ? in_.locationAt(text_.data() + bad.at) : locationOfByte(path_, bad.at); };
+            if (drawn[bad.index]) finiteFloat(bad.value, location(), fieldOf(elementNamed("vertex"), *bad.property, bad.index));  // refuses
+            tolerance_.pass(kBadVertex, location);
         }
     }
 

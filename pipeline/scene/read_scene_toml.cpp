@@ -73,13 +73,13 @@ toml::table parsed(const std::string& text, const LoadOptions& options) {
 Scene SceneFile::read() {
     const std::string text = readInput(path_, options_, kMaxSceneFileBytes);
     if (const char* encoding = otherEncoding(text))
-        throw inputError(placeOfLine(path_, 1, 1), fmt::format("the text is {}; only UTF-8 is read", encoding));
+        throw inputError(locationOfLine(path_, 1, 1), fmt::format("the text is {}; only UTF-8 is read", encoding));
     refuseDeepKeys(text);
     toml::table root;
     try {
         root = parsed(text, options_);
     } catch (const toml::parse_error& error) {
-        throw inputError(place(error.source()), "TOML: " + printable(error.description()));
+        throw inputError(location(error.source()), "TOML: " + printable(error.description()));
     }
     allowKeys(root, "the scene",
               {"handedness", "up",     "ambient",   "background", "encoding", "shading", "fill",   "wire",   "edges",   "viewer",
@@ -121,7 +121,7 @@ Scene SceneFile::read() {
     linkParents();
     placeObjects();
     if (scene_.objects.empty() && scene_.spheres.empty() && scene_.planes.empty())
-        throw inputError(placeOfLine(path_, 1, 1),
+        throw inputError(locationOfLine(path_, 1, 1),
                          "nothing to draw: no [[object]] has a mesh and there is no [[mesh]], [[sphere]] or [[plane]]");
     return std::move(scene_);
 }

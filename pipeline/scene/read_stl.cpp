@@ -59,7 +59,7 @@ bool isFacet(const std::string& bytes, size_t at) {
 // leave the count 0.
 size_t facetsOf(const std::string& bytes, const std::filesystem::path& path, Tolerance& tolerance) {
     if (bytes.size() < kHeaderBytes)
-        throw inputError(placeOfByte(path, bytes.size()), fmt::format("the file ends inside the header of {} bytes", kHeaderBytes));
+        throw inputError(locationOfByte(path, bytes.size()), fmt::format("the file ends inside the header of {} bytes", kHeaderBytes));
     const size_t stated = loadAt<uint32_t>(bytes, 80), rest = bytes.size() - kHeaderBytes;
     const size_t whole = rest / kFacetBytes;
     if (kFacetBytes * stated == rest) return stated;
@@ -67,14 +67,14 @@ size_t facetsOf(const std::string& bytes, const std::filesystem::path& path, Tol
     for (size_t facet = stated; decides && facet < whole; ++facet) decides = isFacet(bytes, kHeaderBytes + facet * kFacetBytes);
     if (decides) {
         tolerance.pass(fmt::format("facet count is {}, but {} whole facets follow; they are drawn", stated, whole),
-                       [&] { return placeOfByte(path, 80); });
+                       [&] { return locationOfByte(path, 80); });
         return whole;
     }
     if (stated > whole)
-        throw inputError(placeOfByte(path, 80), fmt::format("facet count is {}, which takes {} bytes; the file has {}", stated,
-                                                            kHeaderBytes + kFacetBytes * stated, bytes.size()));
+        throw inputError(locationOfByte(path, 80), fmt::format("facet count is {}, which takes {} bytes; the file has {}", stated,
+                                                               kHeaderBytes + kFacetBytes * stated, bytes.size()));
     tolerance.pass(fmt::format("{} bytes after the last facet are ignored", rest - kFacetBytes * stated),
-                   [&] { return placeOfByte(path, kHeaderBytes + kFacetBytes * stated); });
+                   [&] { return locationOfByte(path, kHeaderBytes + kFacetBytes * stated); });
     return stated;
 }
 
@@ -83,7 +83,7 @@ void readBinary(const std::string& bytes, const std::filesystem::path& path, con
     static constexpr const char* kField[9] = {"vertex 1 x", "vertex 1 y", "vertex 1 z", "vertex 2 x", "vertex 2 y",
                                               "vertex 2 z", "vertex 3 x", "vertex 3 y", "vertex 3 z"};
     const size_t count = facetsOf(bytes, path, tolerance);
-    if (count == 0) throw inputError(placeOfByte(path, 80), "facet count is 0: the file has no face");
+    if (count == 0) throw inputError(locationOfByte(path, 80), "facet count is 0: the file has no face");
     mesh.positions.reserve(count * 3);
     mesh.corners.reserve(count * 3);
     mesh.faceFirst.reserve(count + 1);
@@ -95,20 +95,20 @@ void readBinary(const std::string& bytes, const std::filesystem::path& path, con
         meter.at(at);
         for (size_t i = 0; i < 3; ++i)
             if (!std::isfinite(loadAt<float>(bytes, at + 4 * i))) {
-                tolerance.pass(kBadNormal, [&] { return placeOfByte(path, at + 4 * i); });
+                tolerance.pass(kBadNormal, [&] { return locationOfByte(path, at + 4 * i); });
                 break;
             }
         float numbers[9];
         for (size_t i = 0; i < 9; ++i) {
             numbers[i] = loadAt<float>(bytes, at + 12 + 4 * i);
-            if (!(std::abs(numbers[i]) <= kMaxCoordinate)) finiteFloat(numbers[i], placeOfByte(path, at + 12 + 4 * i), kField[i]);
+            if (!(std::abs(numbers[i]) <= kMaxCoordinate)) finiteFloat(numbers[i], locationOfByte(path, at + 12 + 4 * i), kField[i]);
         }
         attributes |= loadAt<uint16_t>(bytes, at + 48) != 0;
         addFacet(mesh,
                  {{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, {numbers[6], numbers[7], numbers[8]}}});
     }
     if (attributes) {
-        if (options.strict) throw inputError(placeOfByte(path, kHeaderBytes + 48), "STL facet attributes would be ignored (--strict)");
+        if (options.strict) throw inputError(locationOfByte(path, kHeaderBytes + 48), "STL facet attributes would be ignored (--strict)");
         mesh.ignored.emplace_back("STL facet attributes");
     }
 }
@@ -164,7 +164,7 @@ private:
         return true;
     }
     void pass(std::string_view kind) {
-        tolerance_.pass(kind, [&] { return in_.place(); });
+        tolerance_.pass(kind, [&] { return in_.location(); });
     }
     [[noreturn]] void refuse(std::string_view expected) {
         if (word_.empty()) in_.refuse(fmt::format("the file ends where '{}' is expected", expected));

@@ -22,7 +22,7 @@ struct Object {
     // column vectors: world = worldFromObject * object; for the positions that a mesh keeps: worldFromMesh()
     glm::dmat4 worldFromObject{1.0};
     std::vector<Step<glm::dmat4>> chain;  // its elementary steps in order of application, parents' included; scene.toml only
-    std::string place;  // where the file states it: file:line:column or file: /pointer; empty where only the file is known
+    std::string location;  // where the file states it: file:line:column or file: /pointer; empty where only the file is known
 };
 
 // Sphere, seen by rays only. The object_id of shapes follow those of the objects: spheres, then planes.
@@ -31,7 +31,7 @@ struct SphereShape {
     glm::dvec3 centre{0};
     double radius = 1;  // > 0
     uint32_t material = 0;
-    std::string place;  // where the file states it: file:line:column or file: /pointer
+    std::string location;  // where the file states it: file:line:column or file: /pointer
 };
 
 // Plane, bounded only by the ranges of its own coordinates, inclusive: (x, y) = ((p - point).u, (p - point).v).
@@ -44,7 +44,7 @@ struct PlaneShape {
     double square = 0;  // above 0: the side of a board's squares; the first square is at x >= 0, y >= 0
     uint32_t otherMaterial = 0;
     bool mirrored = false;  // the pattern is mirrored at y = 0, as in the notes
-    std::string place;      // where the file states it: file:line:column or file: /pointer
+    std::string location;   // where the file states it: file:line:column or file: /pointer
 };
 
 struct Light {
@@ -53,7 +53,7 @@ struct Light {
     glm::dvec3 position{0};         // world space (point)
     glm::vec3 intensity{1.0f};      // linear RGB, >= 0
     Attenuation attenuation = Attenuation::none;
-    std::string place;  // where the file states it; empty: a light made for a scene without lights
+    std::string location;  // where the file states it; empty: a light made for a scene without lights
 };
 
 // Pinhole camera. right, up, forward are orthonormal; in a right-handed world right x up = -forward, in a left-handed one +forward. Screen:
@@ -94,7 +94,7 @@ struct Scene {
     std::optional<bool> wirePerPolygon;  // each edge once for each polygon that has it
     std::optional<bool> distantViewer;   // the viewer counts as infinitely far away when a point is lit (section 3 of the notes)
     bool cullBackFaces = true;
-    std::string zBufferPlace;          // where the file states it
+    std::string zBufferLocation;       // where the file states it
     bool zBuffer = true;               // false: --fill notes paints polygon over polygon, as in the notes before section 14
     bool wholeSphereHeights = false;   // --fill notes rounds z of spheres to whole numbers, as the notes' program does
     glm::uvec2 size{0};                // 0: not stated

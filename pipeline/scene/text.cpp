@@ -45,13 +45,13 @@ struct FileDescriptor {
     }
 };
 
-void refuseUnlessRegular(const struct stat& status, const std::string& place) {
+void refuseUnlessRegular(const struct stat& status, const std::string& location) {
     if (S_ISREG(status.st_mode)) return;
     const char* kind = S_ISDIR(status.st_mode)    ? "a folder"
                        : S_ISFIFO(status.st_mode) ? "a FIFO"
                        : S_ISSOCK(status.st_mode) ? "a socket"
                                                   : "a device";
-    throw inputError(place, fmt::format("is {}, not a regular file", kind));
+    throw inputError(location, fmt::format("is {}, not a regular file", kind));
 }
 
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
@@ -97,18 +97,18 @@ size_t editDistance(std::string_view a, std::string_view b, Letters letters) {
 
 std::string printablePath(const std::filesystem::path& path) { return printable(path.native()); }
 
-std::string placeOfPart(const std::string& place, const std::filesystem::path& file, std::string_view kind, std::string_view name) {
-    return fmt::format("{}: {}{}", place.empty() ? printablePath(file) : place, kind,
+std::string locationOfPart(const std::string& location, const std::filesystem::path& file, std::string_view kind, std::string_view name) {
+    return fmt::format("{}: {}{}", location.empty() ? printablePath(file) : location, kind,
                        name.empty() ? "" : fmt::format(" '{}'", printable(name, 64)));
 }
 
-std::string placeOfLine(const std::filesystem::path& file, size_t line, size_t column) {
+std::string locationOfLine(const std::filesystem::path& file, size_t line, size_t column) {
     return fmt::format("{}:{}:{}", printablePath(file), line, column);
 }
-std::string placeOfByte(const std::filesystem::path& file, uint64_t offset) {
+std::string locationOfByte(const std::filesystem::path& file, uint64_t offset) {
     return fmt::format("{}: byte {}", printablePath(file), offset);
 }
-std::string placeOfPointer(const std::filesystem::path& file, std::string_view pointer) {
+std::string locationOfPointer(const std::filesystem::path& file, std::string_view pointer) {
     return fmt::format("{}: {}", printablePath(file), printable(pointer));
 }
 
@@ -116,36 +116,36 @@ std::string readWholeFile(const std::filesystem::path& path, uint64_t maxBytes) 
 
 std::string readWholeFileTelling(const std::filesystem::path& path, uint64_t maxBytes,
                                  const std::function<void(uint64_t, uint64_t)>& tell) {
-    const std::string place = printablePath(path);
-    const auto refuse = [&] { return inputError(place, std::strerror(errno)); };
-    if (path.native().find('\0') != std::string::npos) throw inputError(place, "the name has a NUL character");
+    const std::string location = printablePath(path);
+    const auto refuse = [&] { return inputError(location, std::strerror(errno)); };
+    if (path.native().find('\0') != std::string::npos) throw inputError(location, "the name has a NUL character");
     struct stat status {};
     // The file's kind is checked before opening, because opening alone can have effects on a device. O_NONBLOCK and the second check cover
     // an exchange in between.
     if (::stat(path.c_str(), &status) != 0) throw refuse();
-    refuseUnlessRegular(status, place);
+    refuseUnlessRegular(status, location);
     const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};
     if (file.fd < 0 || ::fstat(file.fd, &status) != 0) throw refuse();
-    refuseUnlessRegular(status, place);
+    refuseUnlessRegular(status, location);
     const uint64_t size = uint64_t(status.st_size);
-    if (size > maxBytes) throw inputError(place, fmt::format("has {} bytes; at most {} are read", size, maxBytes));
+    if (size > maxBytes) throw inputError(location, fmt::format("has {} bytes; at most {} are read", size, maxBytes));
     std::string bytes(size, '\0');
     for (size_t done = 0; done < size;) {
         if (tell) tell(done, size);
         const ssize_t got = ::read(file.fd, bytes.data() + done, std::min<size_t>(size - done, size_t(1) << 22));
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) throw refuse();
-        if (got == 0) throw inputError(placeOfByte(path, done), fmt::format("the file ends before its {} bytes", size));
+        if (got == 0) throw inputError(locationOfByte(path, done), fmt::format("the file ends before its {} bytes", size));
         done += size_t(got);
     }
     return bytes;
 }
 
 std::filesystem::path resolveReference(const std::filesystem::path& from, std::string_view reference, bool allowOutside,
-                                       const std::string& place, std::string_view field) {
+                                       const std::string& location, std::string_view field) {
     namespace fs = std::filesystem;
     const auto refuse = [&](std::string_view why) {
-        return inputError(place, fmt::format("{} '{}' {}", field, printable(reference), why));
+        return inputError(location, fmt::format("{} '{}' {}", field, printable(reference), why));
     };
     if (reference.empty()) throw refuse("is empty");
     if (reference.find('\0') != std::string_view::npos) throw refuse("has a NUL character");
@@ -185,14 +185,14 @@ const char* otherEncoding(std::string_view bytes) {
 
 void takeByteOrderMark(std::string& text, const std::filesystem::path& file) {
     if (const char* encoding = otherEncoding(text))
-        throw inputError(placeOfLine(file, 1, 1), fmt::format("the text is {}; only UTF-8 is read", encoding));
+        throw inputError(locationOfLine(file, 1, 1), fmt::format("the text is {}; only UTF-8 is read", encoding));
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
 }
 
-float finiteFloat(double value, const std::string& place, std::string_view field, double limit) {
-    if (std::isnan(value)) throw inputError(place, fmt::format("{} is NaN", field));
-    if (std::isinf(value)) throw inputError(place, fmt::format("{} is infinite", field));
-    if (std::abs(value) > limit) throw inputError(place, fmt::format("{} is {}; the largest magnitude is {}", field, value, limit));
+float finiteFloat(double value, const std::string& location, std::string_view field, double limit) {
+    if (std::isnan(value)) throw inputError(location, fmt::format("{} is NaN", field));
+    if (std::isinf(value)) throw inputError(location, fmt::format("{} is infinite", field));
+    if (std::abs(value) > limit) throw inputError(location, fmt::format("{} is {}; the largest magnitude is {}", field, value, limit));
     // A number too small for float32 becomes its smallest denormal, so that finishMesh() counts it.
     const float rounded = float(value);
     return rounded == 0 && value != 0 ? std::copysign(std::numeric_limits<float>::denorm_min(), float(value)) : rounded;
@@ -330,7 +330,7 @@ int64_t Scanner::integer(std::string_view word, std::string_view field) {
     return value;
 }
 
-std::string Scanner::placeAt(const char* at) const {
+std::string Scanner::locationAt(const char* at) const {
     size_t line = 1;
     const char* lineStart = text_.data();
     for (const char* p = text_.data(); p < at; ++p)
@@ -338,9 +338,9 @@ std::string Scanner::placeAt(const char* at) const {
             ++line;
             lineStart = p + 1;
         }
-    return placeOfLine(file_, line, size_t(at - lineStart) + 1);
+    return locationOfLine(file_, line, size_t(at - lineStart) + 1);
 }
 
-void Scanner::refuse(std::string_view message) const { throw inputError(place(), std::string(message)); }
+void Scanner::refuse(std::string_view message) const { throw inputError(location(), std::string(message)); }
 
 }  // namespace plumb

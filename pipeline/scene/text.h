@@ -25,14 +25,14 @@ inline constexpr float kMaxCoordinate = 0x1p100f;
 // the cut.
 std::string printable(std::string_view text, size_t maxChars = 200);
 
-// Place in a file, for messages: "file:line:column" (both from 1, columns in bytes), "file: byte N" (from 0), "file: /pointer". The file's
+// Location in a file, for messages: "file:line:column" (both from 1, columns in bytes), "file: byte N" (from 0), "file: /pointer". The file's
 // name is made printable.
-std::string placeOfLine(const std::filesystem::path&, size_t line, size_t column);
-std::string placeOfByte(const std::filesystem::path&, uint64_t offset);
-std::string placeOfPointer(const std::filesystem::path&, std::string_view pointer);
+std::string locationOfLine(const std::filesystem::path&, size_t line, size_t column);
+std::string locationOfByte(const std::filesystem::path&, uint64_t offset);
+std::string locationOfPointer(const std::filesystem::path&, std::string_view pointer);
 std::string printablePath(const std::filesystem::path&);
-// Place of a part of a scene that is refused when it is drawn: "scene.toml:9:1: object 'arrow'", by its place or else by the file.
-std::string placeOfPart(const std::string& place, const std::filesystem::path& file, std::string_view kind, std::string_view name);
+// Location of a part of a scene that is refused when it is drawn: "scene.toml:9:1: object 'arrow'", by its location or else by the file.
+std::string locationOfPart(const std::string& location, const std::filesystem::path& file, std::string_view kind, std::string_view name);
 
 // Case of letters for editDistance() (Levenshtein's, for "did you mean"): anyCase takes ASCII letters of both cases as equal.
 enum class Letters { asWritten, anyCase };
@@ -48,13 +48,13 @@ const char* otherEncoding(std::string_view bytes);
 void takeByteOrderMark(std::string& text, const std::filesystem::path&);
 
 // Path of a reference written in file `from`, e.g. of a material library. Unless `allowOutside`, it must be relative, contain no "..", and
-// resolve (symbolic links included) to something in the folder of `from` or below. `place` is where it is written, `field` its name. The
+// resolve (symbolic links included) to something in the folder of `from` or below. `location` is where it is written, `field` its name. The
 // file need not exist.
 std::filesystem::path resolveReference(const std::filesystem::path& from, std::string_view reference, bool allowOutside,
-                                       const std::string& place, std::string_view field);
+                                       const std::string& location, std::string_view field);
 
-// Number `value` of `field` as float32; NaN, infinity, and magnitudes above `limit` are refused at `place`.
-float finiteFloat(double value, const std::string& place, std::string_view field, double limit = kMaxCoordinate);
+// Number `value` of `field` as float32; NaN, infinity, and magnitudes above `limit` are refused at `location`.
+float finiteFloat(double value, const std::string& location, std::string_view field, double limit = kMaxCoordinate);
 
 // Reads a number without a locale: an optional sign, decimal, all of `word`. False: not a number. NaN and infinity are numbers here. A
 // value too small for float32 gives the smallest denormal of its sign, so that finishMesh() counts it; one too large gives infinity.
@@ -62,7 +62,7 @@ bool parseFloat(std::string_view word, float& value);
 bool parseDouble(std::string_view word, double& value);  // as parseFloat(), in binary64
 bool parseInteger(std::string_view word, int64_t& value);
 
-// Scanner of the text of a file. Lines end at \n, \r\n or \r. Places are computed only for a refusal.
+// Scanner of the text of a file. Lines end at \n, \r\n or \r. Locations are computed only for a refusal.
 class Scanner {
 public:
     Scanner(std::string_view text, std::filesystem::path file, size_t offset = 0)
@@ -88,9 +88,9 @@ public:
     double coordinate(std::string_view field) { return coordinate(word(), field); }
     int64_t integer(std::string_view word, std::string_view field);
 
-    // Place where the last word began, or where a missing word should be.
-    std::string place() const { return placeAt(token_); }
-    std::string placeAt(const char* at) const;
+    // Location where the last word began, or where a missing word should be.
+    std::string location() const { return locationAt(token_); }
+    std::string locationAt(const char* at) const;
     [[noreturn]] void refuse(std::string_view message) const;
 
     bool continued = false;

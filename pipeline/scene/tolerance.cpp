@@ -19,14 +19,14 @@ bool Tolerance::passAgain(std::string_view kind) {
     return false;
 }
 
-void Tolerance::passFirst(std::string_view kind, std::string detail, std::string place) {
-    if (options_.strict) throw inputError(place, fmt::format("{}{} (--strict)", detail, kind));
-    passed_.push_back({std::string(kind), std::move(detail), std::move(place)});
+void Tolerance::passFirst(std::string_view kind, std::string detail, std::string location) {
+    if (options_.strict) throw inputError(location, fmt::format("{}{} (--strict)", detail, kind));
+    passed_.push_back({std::string(kind), std::move(detail), std::move(location)});
 }
 
 void Tolerance::addTo(std::vector<std::string>& warnings) const {
-    for (const auto& [kind, detail, place, count] : passed_)
-        warnings.push_back(fmt::format("{}: {}{}{}", place, detail, kind, count == 1 ? "" : fmt::format(" ({} times)", count)));
+    for (const auto& [kind, detail, location, count] : passed_)
+        warnings.push_back(fmt::format("{}: {}{}{}", location, detail, kind, count == 1 ? "" : fmt::format(" ({} times)", count)));
 }
 
 std::vector<bool> drawnPositions(const PolygonMesh& mesh) {

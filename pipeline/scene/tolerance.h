@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rule of all readers of model files: what is not drawn never refuses a file. It is counted by kind, and named once with its first place.
+// Rule of all readers of model files: what is not drawn never refuses a file. It is counted by kind, and named once with its first location.
 // With LoadOptions::strict it is refused there.
 #pragma once
 
@@ -28,14 +28,14 @@ public:
         if (!passAgain(kind)) passFirst(kind, detailOf(), placeOf());
     }
 
-    void addTo(std::vector<std::string>& warnings) const;  // one warning a kind, in the order of the first places
+    void addTo(std::vector<std::string>& warnings) const;  // one warning a kind, in the order of the first locations
 
 private:
     bool passAgain(std::string_view kind);
-    void passFirst(std::string_view kind, std::string detail, std::string place);
+    void passFirst(std::string_view kind, std::string detail, std::string location);
 
     struct Passed {
-        std::string kind, detail, place;
+        std::string kind, detail, location;
         uint64_t count = 1;
     };
     const LoadOptions& options_;

@@ -24,7 +24,7 @@ void SceneFile::readLight(const toml::table& table) {
         for (const char* key : {"edge_u", "edge_v", "points"})
             if (const auto* node = table.get(key)) refuse(*node, fmt::format("light.{} needs type = \"area\"", key));
     Light light;
-    light.place = place(table);
+    light.location = location(table);
     light.directional = kind == Kind::directional;
     if (const auto* node = table.get("intensity")) light.intensity = colourOf(*node, "light.intensity", kMaxCoordinate);
     if (const auto* node = table.get("attenuation"))
@@ -62,7 +62,7 @@ void SceneFile::readArea(const toml::table& table, const Light& light) {
         refuse(points,
                fmt::format("light.points makes {} points; an area light has at most {}", area.pointsU * area.pointsV, kMaxAreaPoints));
     for (Light& point : pointsOf(area)) {
-        point.place = light.place;
+        point.location = light.location;
         if (!(std::max({std::abs(point.position.x), std::abs(point.position.y), std::abs(point.position.z)}) <= kMaxCoordinate))
             refuse(table, "light: a point of it has a coordinate above 2^100");
         scene_.lights.push_back(point);

@@ -42,7 +42,8 @@ void SceneFile::readMesh(const toml::table& table) {
         for (const char* key : {"vertices", "faces", "face_materials"})
             if (const auto* other = table.get(key)) refuse(*other, fmt::format("mesh.{} beside mesh.file", key));
         const std::string reference = stringOf(*fileNode, "mesh.file");
-        const auto file = resolveReference(referenceBase(path_, options_), reference, options.allowOutside, place(*fileNode), "mesh.file");
+        const auto file =
+            resolveReference(referenceBase(path_, options_), reference, options.allowOutside, location(*fileNode), "mesh.file");
         std::error_code code;
         if (!std::filesystem::exists(file, code)) refuse(*fileNode, fmt::format("mesh.file '{}' does not exist", printable(reference)));
         const auto* materialNode = table.get("material");
@@ -81,7 +82,7 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
     const toml::node& facesNode = required(table, "faces", "mesh");
     const toml::array& faces = arrayOf(facesNode, "mesh.faces");
     if (faces.empty()) refuse(facesNode, "mesh.faces is empty");
-    mesh.place = place(facesNode);
+    mesh.location = location(facesNode);
     mesh.faceFirst.push_back(0);
     for (size_t f = 0; f < faces.size(); ++f) {
         const std::string field = fmt::format("mesh.faces[{}]", f);
@@ -110,19 +111,19 @@ uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& 
     } else {
         mesh.faceMaterial.assign(faces.size(), materialNode ? materialNamed(*materialNode, "mesh.material") : 0);
     }
-    const uint32_t index = addMesh(scene_, std::move(mesh), place(table), options);
-    warnOfRepairs(scene_, index, place(table));
+    const uint32_t index = addMesh(scene_, std::move(mesh), location(table), options);
+    warnOfRepairs(scene_, index, location(table));
     return index;
 }
 
 // Mesh with another material. A TriangleMesh has its materials in it, so an object that replaces them draws a copy; one copy for each
 // (mesh, material).
-uint32_t SceneFile::meshWithMaterial(uint32_t mesh, uint32_t material, const toml::table& place) {
+uint32_t SceneFile::meshWithMaterial(uint32_t mesh, uint32_t material, const toml::table& location) {
     const auto [found, isNew] = recoloured_.try_emplace({mesh, material}, uint32_t(scene_.meshes.size()));
     if (isNew) {
         copiedTriangles_ += scene_.meshes[mesh].triangles.size();
         if (copiedTriangles_ > kMaxCopiedTriangles)
-            refuse(place, fmt::format("object.material copies more than {} triangles in all", kMaxCopiedTriangles));
+            refuse(location, fmt::format("object.material copies more than {} triangles in all", kMaxCopiedTriangles));
         TriangleMesh copy = scene_.meshes[mesh];
         paint(copy, material);
         scene_.meshes.push_back(std::move(copy));

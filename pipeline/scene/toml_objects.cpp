@@ -96,7 +96,7 @@ void SceneFile::placeObjects() {
         if (node.mesh == kNone) continue;
         Object object;
         object.name = node.name;
-        object.place = node.implied ? scene_.meshes[node.mesh].place : place(*node.table);
+        object.location = node.implied ? scene_.meshes[node.mesh].location : location(*node.table);
         object.mesh = node.material == kNone ? node.mesh : meshWithMaterial(node.mesh, node.material, *node.table);
         object.worldFromObject = node.worldFromNode;
         for (const Node* n = &node;; n = &nodes_[size_t(n->parent)]) {  // its own steps act first, then its parent's

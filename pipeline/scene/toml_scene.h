@@ -66,7 +66,7 @@ private:
         bool placed = false;
         bool implied = false;  // one object for each mesh, in a file that states no object
     };
-    uint32_t meshWithMaterial(uint32_t mesh, uint32_t material, const toml::table& place);
+    uint32_t meshWithMaterial(uint32_t mesh, uint32_t material, const toml::table& location);
 
     LoadOptions options_;
     Scene scene_;

@@ -39,7 +39,7 @@ void SceneFile::readSettings(const toml::table& root) {
     if (const auto* node = root.get("wire")) scene_.wire = chosenOf(*node, "wire", kWireViews);
     if (const auto* node = root.get("edges")) scene_.wirePerPolygon = chosenOf(*node, "edges", kEdgeCounts);
     if (const auto* node = root.get("viewer")) scene_.distantViewer = chosenOf(*node, "viewer", kViewers);
-    if (const auto* node = root.get("z_buffer")) scene_.zBuffer = booleanOf(*node, "z_buffer"), scene_.zBufferPlace = place(*node);
+    if (const auto* node = root.get("z_buffer")) scene_.zBuffer = booleanOf(*node, "z_buffer"), scene_.zBufferLocation = location(*node);
     if (const auto* node = root.get("sphere_heights"))
         scene_.wholeSphereHeights = choiceOf<bool>(*node, "sphere_heights", {{"exact", false}, {"whole", true}});
     if (const auto* node = root.get("cull")) scene_.cullBackFaces = booleanOf(*node, "cull");

@@ -17,7 +17,7 @@ using glm::dvec3;
 void SceneFile::readSphere(const toml::table& table) {
     allowKeys(table, "[[sphere]]", {"name", "centre", "radius", "material"});
     SphereShape sphere;
-    sphere.place = place(table);
+    sphere.location = location(table);
     if (const auto* node = table.get("name")) sphere.name = stringOf(*node, "sphere.name");
     sphere.centre = vectorOf(required(table, "centre", "sphere"), "sphere.centre");
     const toml::node& radius = required(table, "radius", "sphere");
@@ -31,7 +31,7 @@ void SceneFile::readSphere(const toml::table& table) {
 void SceneFile::readPlane(const toml::table& table) {
     allowKeys(table, "[[plane]]", {"name", "point", "normal", "u", "u_range", "v_range", "two_sided", "material", "board"});
     PlaneShape plane;
-    plane.place = place(table);
+    plane.location = location(table);
     if (const auto* node = table.get("name")) plane.name = stringOf(*node, "plane.name");
     plane.point = vectorOf(required(table, "point", "plane"), "plane.point");
     plane.normal = unitVector(axisOf(required(table, "normal", "plane"), "plane.normal"));

@@ -65,7 +65,7 @@ void TomlValues::refuseDeepKeys(std::string_view text) const {
                     if (block) i += 2;
                 } else if (c == '.') {
                     if (++dots > kMaxDepth)
-                        throw inputError(placeOfLine(path_, line, i - lineStart + 1),
+                        throw inputError(locationOfLine(path_, line, i - lineStart + 1),
                                          fmt::format("a key of more than {} parts", kMaxDepth));
                 } else if (c == '=' || c == ',' || c == '[' || c == ']' || c == '{' || c == '}') {
                     dots = 0;
@@ -103,7 +103,7 @@ void TomlValues::allowKeys(const toml::table& table, std::string_view what, cons
     for (const auto& [key, node] : table) {
         (void)node;
         if (std::find(known.begin(), known.end(), key.str()) == known.end())
-            throw inputError(place(key.source()),
+            throw inputError(location(key.source()),
                              fmt::format("unknown key '{}' in {}{}", printable(key.str(), 64), what, suggestion(key.str(), known)));
     }
 }

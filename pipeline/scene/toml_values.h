@@ -53,15 +53,15 @@ public:
 protected:
     using Known = std::initializer_list<std::string_view>;
 
-    // Places and refusals. A field is written as the path to it: "object.transform[2].scale".
-    std::string place(const toml::source_region& region) const { return placeOfLine(path_, region.begin.line, region.begin.column); }
-    std::string place(const toml::node& node) const { return place(node.source()); }
-    [[noreturn]] void refuse(const toml::node& node, const std::string& text) const { throw inputError(place(node), text); }
+    // Locations and refusals. A field is written as the path to it: "object.transform[2].scale".
+    std::string location(const toml::source_region& region) const { return locationOfLine(path_, region.begin.line, region.begin.column); }
+    std::string location(const toml::node& node) const { return location(node.source()); }
+    [[noreturn]] void refuse(const toml::node& node, const std::string& text) const { throw inputError(location(node), text); }
     void refuseDeepKeys(std::string_view text) const;
     void allowKeys(const toml::table& table, std::string_view what, const Known& known) const;
     const toml::node& required(const toml::table& table, std::string_view key, const std::string& what) const;
 
-    // Typed values. Each refuses a value of another kind or range, with its place.
+    // Typed values. Each refuses a value of another kind or range, with its location.
     const toml::table& tableOf(const toml::node& node, const std::string& field) const;
     const toml::array& arrayOf(const toml::node& node, const std::string& field) const;
     std::string stringOf(const toml::node& node, const std::string& field) const;

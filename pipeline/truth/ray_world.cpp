@@ -32,10 +32,10 @@ void normalMatrix(const glm::dmat4& m, Vec3<Real> (&columns)[3], bool& mirrored)
 
 template <class Real>
 Facet<Real> RayWorld::facetIn(uint32_t i) const {
-    const Place& place = places_[i];
-    const Object& object = scene_.objects[place.object];
+    const Owner& owner = owners_[i];
+    const Object& object = scene_.objects[owner.object];
     const TriangleMesh& mesh = scene_.meshes[object.mesh];
-    const TriangleMesh::Triangle& t = mesh.triangles[place.triangle];
+    const TriangleMesh::Triangle& t = mesh.triangles[owner.triangle];
     const glm::dmat4& m = object.worldFromObject;
     const glm::dvec3& eye = scene_.camera->eye;
     Vec3<Real> normals[3];
@@ -78,22 +78,22 @@ RayWorld::RayWorld(const Scene& scene) : scene_(scene) {
     for (const Material& m : scene.materials) shares_.push_back(raySharesOf(m));
     for (uint32_t o = 0; o < scene.objects.size(); ++o) {
         const size_t count = scene.meshes[scene.objects[o].mesh].triangles.size();
-        for (uint32_t t = 0; t < count; ++t) places_.push_back({o, t});
+        for (uint32_t t = 0; t < count; ++t) owners_.push_back({o, t});
     }
-    facets_.reserve(places_.size());
-    for (uint32_t i = 0; i < places_.size(); ++i) {
+    facets_.reserve(owners_.size());
+    for (uint32_t i = 0; i < owners_.size(); ++i) {
         facets_.push_back(facetIn<double>(i));
         for (const Vec3<double>& c : facets_.back().corner) reach_ = std::max({reach_, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
         middles_.push_back(rounded(facets_.back().corner[0] + facets_.back().corner[1] + facets_.back().corner[2]) / 3.0);
     }
-    order_.resize(places_.size());
+    order_.resize(owners_.size());
     std::iota(order_.begin(), order_.end(), 0u);
     if (!order_.empty()) split(0, uint32_t(order_.size()));
     middles_ = {};
 
     const glm::dvec3 eye = scene.camera->eye;
     for (const Light& light : scene.lights) {
-        std::vector<bool> planes(scene.planes.size()), meshes(places_.size());
+        std::vector<bool> planes(scene.planes.size()), meshes(owners_.size());
         // Bound 2^-100: a few hundred roundings of binary128.
         if (light.directional) {
             for (size_t i = 0; i < scene.planes.size(); ++i)
@@ -106,7 +106,7 @@ RayWorld::RayWorld(const Scene& scene) : scene_(scene) {
                 const Vec3<Quad> point = Vec3<Quad>(scene.planes[i].point) - Vec3<Quad>(eye);
                 planes[i] = on(along(Vec3<Quad>(scene.planes[i].normal), at - point), glm::length(scene.planes[i].point));
             }
-            for (uint32_t i = 0; i < places_.size(); ++i) {
+            for (uint32_t i = 0; i < owners_.size(); ++i) {
                 const Facet<double>& f = facets_[i];
                 const double rough = std::abs(along(f.normal, Vec3<double>(rounded(at)) - f.corner[0]));
                 if (rough > f.normalError * (size + reach_) * 4 + 0x1p-40 * (size + reach_)) continue;
@@ -149,9 +149,9 @@ uint32_t RayWorld::split(uint32_t first, uint32_t last) {
 }
 
 uint32_t RayWorld::materialOfFacet(uint32_t i) const {
-    const Place& place = places_[i];
-    const TriangleMesh& mesh = scene_.meshes[scene_.objects[place.object].mesh];
-    return mesh.faceMaterial[mesh.triangles[place.triangle].face];
+    const Owner& owner = owners_[i];
+    const TriangleMesh& mesh = scene_.meshes[scene_.objects[owner.object].mesh];
+    return mesh.faceMaterial[mesh.triangles[owner.triangle].face];
 }
 
 double RayWorld::brightness(const glm::dvec3& sky) const {

@@ -26,13 +26,13 @@ class RayWorld {
 public:
     explicit RayWorld(const Scene& scene);
 
-    struct Place {
+    struct Owner {
         uint32_t object = 0, triangle = 0;  // object of the scene; triangle of its mesh
     };
 
     const Scene& scene() const { return scene_; }
-    uint32_t facets() const { return uint32_t(places_.size()); }
-    const Place& placeOf(uint32_t facet) const { return places_[facet]; }
+    uint32_t facets() const { return uint32_t(owners_.size()); }
+    const Owner& ownerOf(uint32_t facet) const { return owners_[facet]; }
     const Facet<double>& facet(uint32_t i) const { return facets_[i]; }
     // Facet computed again from the scene's numbers: long double, Quad.
     template <class Real>
@@ -63,7 +63,7 @@ private:
     uint32_t split(uint32_t first, uint32_t last);
 
     const Scene& scene_;
-    std::vector<Place> places_;
+    std::vector<Owner> owners_;
     std::vector<Facet<double>> facets_;
     std::vector<RayShares> shares_;
     std::vector<Node> nodes_;

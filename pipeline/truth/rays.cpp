@@ -134,16 +134,16 @@ private:
     }
     bool stops() const { return (doubtful_ && !kLast) || tooMany(); }
 
-    V centreOf(const glm::dvec3& place) const { return V(place) - V(scene_.camera->eye); }
+    V centreOf(const glm::dvec3& position) const { return V(position) - V(scene_.camera->eye); }
 
     // Distances are compared where they count and their errors allow it; a hit with t = 0 is none.
     Hit hitSphere(uint32_t i, const Ray& r) const {
         const SphereShape& s = scene_.spheres[i];
         const V c = centreOf(s.centre), f = r.origin - c;
         const double far = sizeOf(f), u = kUnit;
-        const double placeError = r.originError + u * (4 * far + 4 * sizeOf(c));
+        const double positionError = r.originError + u * (4 * far + 4 * sizeOf(c));
         const Real k = -along(f, r.direction);
-        const double kError = placeError + far * (r.directionError + 8 * u);
+        const double kError = positionError + far * (r.directionError + 8 * u);
         Hit h;
         h.kind = Kind::sphere;
         h.index = i;
@@ -157,11 +157,11 @@ private:
             return h;
         }
         const V l = f + r.direction * k;
-        const double missError = placeError + 2 * far * (r.directionError + 4 * u) + 4 * u * s.radius, edge = s.radius + missError;
+        const double missError = positionError + 2 * far * (r.directionError + 4 * u) + 4 * u * s.radius, edge = s.radius + missError;
         const Real missSquared = along(l, l);
         if (double(missSquared) > edge * edge * (1 + 16 * u)) return h;  // missed, and the origin is outside
         const Real gap = lengthOf(f) - Real(s.radius), miss = rootOf(missSquared), slack = Real(s.radius) - miss;
-        const bool within = gap <= 0, gapOpen = std::abs(double(gap)) <= placeError + 4 * u * s.radius;
+        const bool within = gap <= 0, gapOpen = std::abs(double(gap)) <= positionError + 4 * u * s.radius;
         if (!within && !gapOpen && double(k) < -kError) return h;
         const Real square = slack * (Real(s.radius) + miss);
         const Real root = rootOf(square > 0 ? square : Real(0));
@@ -235,9 +235,9 @@ private:
         const bool matters = p.material != p.otherMaterial;
         const auto odd = [&](const Real& x, bool mirrored) {
             const Real size = x < 0 ? -x : x, squares = size / Real(p.square), pairs = floorOf(squares / 2), rest = squares - 2 * pairs;
-            const double place = double(rest), near = error / p.square + 4 * kUnit * double(squares);
-            const bool atZero = place <= near && pairs == 0;
-            if (matters && ((place <= near && !(atZero && mirrored)) || std::abs(place - 1) <= near || 2 - place <= near)) sure = false;
+            const double along = double(rest), near = error / p.square + 4 * kUnit * double(squares);
+            const bool atZero = along <= near && pairs == 0;
+            if (matters && ((along <= near && !(atZero && mirrored)) || std::abs(along - 1) <= near || 2 - along <= near)) sure = false;
             return rest > 1;
         };
         bool other = u < 0;
@@ -377,9 +377,9 @@ private:
 
     // Where, and which way the surface faces there.
     struct Surface {
-        V place, geometric, normal;  // both on the ray's side
-        V bends;                     // the normal of mirrored and refracted rays
-        double placeError = 0, geometricError = 0, normalError = 0, bendsError = 0;
+        V position, geometric, normal;  // both on the ray's side
+        V bends;                        // the normal of mirrored and refracted rays
+        double positionError = 0, geometricError = 0, normalError = 0, bendsError = 0;
         uint32_t material = 0;
         double leavingError = 0;  // of the origin of a ray that leaves
         bool within = false;      // the ray runs with the outward normal
@@ -387,14 +387,14 @@ private:
     Surface surfaceOf(const Ray& r, const Hit& h) {
         Surface s;
         const double u = kUnit, t = double(h.t);
-        s.place = r.origin + r.direction * h.t;
-        s.placeError = r.originError + t * r.directionError + h.error + 4 * u * (t + sizeOf(r.origin));
+        s.position = r.origin + r.direction * h.t;
+        s.positionError = r.originError + t * r.directionError + h.error + 4 * u * (t + sizeOf(r.origin));
         s.within = h.leaves;
         if (h.kind == Kind::sphere) {
             const SphereShape& ball = scene_.spheres[h.index];
-            const V out = s.place - centreOf(ball.centre);
+            const V out = s.position - centreOf(ball.centre);
             s.geometric = unitOf(out);
-            s.geometricError = (s.placeError + 4 * u * glm::length(ball.centre - scene_.camera->eye)) / ball.radius + 8 * u;
+            s.geometricError = (s.positionError + 4 * u * glm::length(ball.centre - scene_.camera->eye)) / ball.radius + 8 * u;
             s.material = ball.material;
         } else if (h.kind == Kind::plane) {
             const PlaneShape& p = scene_.planes[h.index];
@@ -407,7 +407,7 @@ private:
             s.geometricError = f.normalError;
             s.material = world_.materialOfFacet(h.index);
         }
-        s.leavingError = s.placeError;
+        s.leavingError = s.positionError;
         if (kDrawn) {
             s.geometricError += kUnitLength;
             s.leavingError += shiftOf(h, s);
@@ -422,7 +422,7 @@ private:
     }
     // No less than the passes move an origin off the surface: twice its error, which is 12 u of radius and coordinates at most (leaveSurface).
     double shiftOf(const Hit& h, const Surface& s) const {
-        double size = sizeOf(s.place);
+        double size = sizeOf(s.position);
         if (h.kind == Kind::sphere) size += scene_.spheres[h.index].radius;
         if (h.kind == Kind::facet)
             for (const V& corner : facetOf(h.index).corner) size = std::max(size, sizeOf(corner));
@@ -547,12 +547,12 @@ private:
             V l;
             double distance = kInfinity, error = 4 * kUnit, fade = 1;
             if (!light.directional) {
-                l = centreOf(light.position) - s.place;
+                l = centreOf(light.position) - s.position;
                 const Real length = lengthOf(l);
                 distance = double(length);
                 if (!(distance > 0)) continue;
                 l = l * (1 / length);
-                error = 2 * (s.placeError + 8 * kUnit * (distance + glm::length(light.position))) / distance + 8 * kUnit;
+                error = 2 * (s.positionError + 8 * kUnit * (distance + glm::length(light.position))) / distance + 8 * kUnit;
                 if (light.attenuation == Attenuation::inverse) fade = 1 / distance;
                 if (light.attenuation == Attenuation::inverseSquare) fade = 1 / (distance * distance);
             } else {
@@ -576,7 +576,7 @@ private:
             double share = 1;
             if (scene_.shadows) {
                 Ray shadowRay;
-                shadowRay.origin = s.place;
+                shadowRay.origin = s.position;
                 shadowRay.originError = s.leavingError;
                 shadowRay.direction = l;
                 shadowRay.directionError = error;
@@ -584,7 +584,7 @@ private:
                 shadowRay.index = h.index;
                 shadowRay.inside = s.within;
                 share = passed(shadowRay, distance,
-                               light.directional ? 0 : s.placeError + 8 * kUnit * (distance + glm::length(light.position)), i, stake);
+                               light.directional ? 0 : s.positionError + 8 * kUnit * (distance + glm::length(light.position)), i, stake);
             }
             colour += share * added;
         }
@@ -635,9 +635,9 @@ private:
         if (h.kind == Kind::sphere) seen_.object = uint32_t(scene_.objects.size()) + h.index;
         if (h.kind == Kind::plane) seen_.object = uint32_t(scene_.objects.size() + scene_.spheres.size()) + h.index;
         if (h.kind != Kind::facet) return;
-        const RayWorld::Place& place = world_.placeOf(h.index);
-        seen_.object = place.object;
-        seen_.primitive = scene_.meshes[scene_.objects[place.object].mesh].triangles[place.triangle].face;
+        const RayWorld::Owner& owner = world_.ownerOf(h.index);
+        seen_.object = owner.object;
+        seen_.primitive = scene_.meshes[scene_.objects[owner.object].mesh].triangles[owner.triangle].face;
     }
 
     void sendOn(const Ray& r, const Hit& h, const Surface& s, const RayShares& shares) {
@@ -656,7 +656,7 @@ private:
             total = square <= 0;
         }
         Ray child;
-        child.origin = s.place;
+        child.origin = s.position;
         child.originError = s.leavingError;
         child.depth = r.depth + 1;
         child.kind = h.kind;

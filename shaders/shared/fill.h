@@ -80,8 +80,8 @@ SHARED_CONST uint kTileListLimit = 40000u;
 // Most lights that may be specialization constants, by number and kind. lightKind() packs three bits a light: bit 0 set for a point light,
 // bits 1 and 2 its attenuation.
 SHARED_CONST uint kUnrolledLights = 4u;
-SHARED_FN uint lightKind(uint light, bool place, uint attenuation) { return (pick(place, 1u, 0u) | attenuation << 1u) << (3u * light); }
-SHARED_FN float lightIsAPlace(uint kinds, uint light) { return float((kinds >> (3u * light)) & 1u); }
+SHARED_FN uint lightKind(uint light, bool point, uint attenuation) { return (pick(point, 1u, 0u) | attenuation << 1u) << (3u * light); }
+SHARED_FN float lightIsAPoint(uint kinds, uint light) { return float((kinds >> (3u * light)) & 1u); }
 SHARED_FN float lightAttenuation(uint kinds, uint light) { return float((kinds >> (3u * light + 1u)) & 3u); }
 
 struct FillPush {

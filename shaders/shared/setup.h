@@ -11,16 +11,16 @@ SHARED_CONST uint kNoTriangle = 0xffffffffu;
 
 struct SetupPush {
     uint statusSlot;
-    uint placeCount;  // slots of the draw list
-    uint tilesX;      // tiles of the frame where small triangles are binned in the same pass (one band); else 0
-    uint room;        // entries a tile, as in BinPush
+    uint slotCount;  // slots of the draw list
+    uint tilesX;     // tiles of the frame where small triangles are binned in the same pass (one band); else 0
+    uint room;       // entries a tile, as in BinPush
     FrameBox frame;
 };
 
 struct ClipJob {
     uint triangle;  // triangle of the chunk
     uint object;
-    uint place;   // first of kClipFan slots in the draw list
+    uint slot;    // first of kClipFan slots in the draw list
     uint vertex;  // first of kClipCorners vertices
 };
 

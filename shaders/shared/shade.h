@@ -15,7 +15,7 @@ SHARED_CONST uint kShadingPhong = 3u;
 
 // Light in two texels: (x, y, z, kind), (r, g, b, attenuation). kind 0: unit vector toward the light; 1: position relative to the eye.
 struct LightRecord {
-    vec3 place;
+    vec3 position;
     float kind;
     vec3 intensity;
     float attenuation;  // exponent of 1 / d by which the light fades: 0, 1 or 2
@@ -161,13 +161,13 @@ SHARED_FN void seeFrom(bool distant, vec3 toward, INOUT(Surface) s) {
 struct Toward {
     Real x, y, z, fade;
 };
-SHARED_FN Toward towardLight(vec4 place, float attenuation, bool point, Real px, Real py, Real pz) {
+SHARED_FN Toward towardLight(vec4 position, float attenuation, bool point, Real px, Real py, Real pz) {
     Toward t;
-    t.x = real(place.x);
-    t.y = real(place.y);
-    t.z = real(place.z);
+    t.x = real(position.x);
+    t.y = real(position.y);
+    t.z = real(position.z);
     t.fade = real(1.0f);
-    if (point && place.w != 0.0f) {
+    if (point && position.w != 0.0f) {
         t.x = t.x - px;
         t.y = t.y - py;
         t.z = t.z - pz;
@@ -219,8 +219,8 @@ SHARED_FN void addLightFrom(Toward t, vec4 intensity, Surface s, Reflectance k, 
     c.b = c.b + (b * fade) * intensity.z;
 }
 
-SHARED_FN void addLight(vec4 place, vec4 intensity, Surface s, Reflectance k, ShadeParts parts, INOUT(Colour) c) {
-    addLightFrom(towardLight(place, intensity.w, parts.point, s.px, s.py, s.pz), intensity, s, k, parts, c);
+SHARED_FN void addLight(vec4 position, vec4 intensity, Surface s, Reflectance k, ShadeParts parts, INOUT(Colour) c) {
+    addLightFrom(towardLight(position, intensity.w, parts.point, s.px, s.py, s.pz), intensity, s, k, parts, c);
 }
 
 SHARED_END

@@ -115,12 +115,12 @@ struct ShadowRay {
     vec3 direction;
     float reach;
 };
-SHARED_FN ShadowRay shadowRayTo(vec4 place, vec3 q) {
-    vec3 toward = vec3(place.x, place.y, place.z);
+SHARED_FN ShadowRay shadowRayTo(vec4 position, vec3 q) {
+    vec3 toward = vec3(position.x, position.y, position.z);
     ShadowRay f;
     f.direction = toward;
     f.reach = kFarthestHit;
-    if (place.w != 0.0f) {
+    if (position.w != 0.0f) {
         toward = toward - q;
         float square = dot3(toward, toward);
         float inverse = reciprocalRoot(real(square));

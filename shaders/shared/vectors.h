@@ -15,23 +15,23 @@ SHARED_CONST uint kVectorsPixel = 0u;
 SHARED_CONST uint kVectorsFace = 1u;
 SHARED_CONST uint kVectorsVertex = 2u;
 
-struct Place {
+struct Position {
     Real x, y, z;  // position relative to the eye, world axes
 };
 
 // Position of a corner of a drawn triangle: sub-pixels, n/w; rays as in FillPush.
-SHARED_FN Place placeOfCorner(Int x, Int y, Real z, float near, vec3 rayOrigin, vec3 rayX, vec3 rayY) {
+SHARED_FN Position positionOfCorner(Int x, Int y, Real z, float near, vec3 rayOrigin, vec3 rayX, vec3 rayY) {
     Real px = toReal(x) * 0.00390625f;
     Real py = toReal(y) * 0.00390625f;
     Real w = reciprocal(z) * near;
-    Place p;
+    Position p;
     p.x = rayAtEach(rayOrigin.x, rayX.x, rayY.x, px, py) * w;
     p.y = rayAtEach(rayOrigin.y, rayX.y, rayY.y, px, py) * w;
     p.z = rayAtEach(rayOrigin.z, rayX.z, rayY.z, px, py) * w;
     return p;
 }
 
-SHARED_FN Toward eyeFrom(Place p) {
+SHARED_FN Toward eyeFrom(Position p) {
     Toward t;
     t.x = -p.x;
     t.y = -p.y;
@@ -43,8 +43,8 @@ SHARED_FN Toward eyeFrom(Place p) {
 
 // Direction to a point light. Nearer than 2^-50 or, with 1 / d, 2^-100 the direction is undefined: such a light does not shine, and
 // interpolated values stay finite.
-SHARED_FN Toward lampFrom(vec4 place, float attenuation, Place p) {
-    Toward t = towardLight(place, attenuation, true, p.x, p.y, p.z);
+SHARED_FN Toward lampFrom(vec4 lamp, float attenuation, Position p) {
+    Toward t = towardLight(lamp, attenuation, true, p.x, p.y, p.z);
     t.fade = pick(gt(real(1.2676506e30f), t.fade), t.fade, real(0.0f));
     return t;
 }

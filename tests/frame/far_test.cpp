@@ -109,20 +109,20 @@ struct Form {
     const char* name;
     Shading shading;
     Fill fill;
-    Numbers numbers;
+    Precision precision;
     WireView wire = WireView::seeThrough;
 };
-constexpr Form kForms[] = {{"phong", Shading::phong, Fill::exact, Numbers::fp32},
-                           {"flat", Shading::flat, Fill::exact, Numbers::fp32},
-                           {"gouraud", Shading::gouraud, Fill::exact, Numbers::fp32},
-                           {"phong in binary64", Shading::phong, Fill::exact, Numbers::fp64},
-                           {"phong in block integers", Shading::phong, Fill::exact, Numbers::blockInteger},
-                           {"rays", Shading::ray, Fill::exact, Numbers::fp32},
-                           {"notes, phong", Shading::phong, Fill::notes, Numbers::fp32},
-                           {"notes, flat", Shading::flat, Fill::notes, Numbers::fp32},
-                           {"wire", Shading::wire, Fill::exact, Numbers::fp32},
-                           {"wire, culled", Shading::wire, Fill::exact, Numbers::fp32, WireView::culled},
-                           {"wire, solid", Shading::wire, Fill::exact, Numbers::fp32, WireView::solid}};
+constexpr Form kForms[] = {{"phong", Shading::phong, Fill::exact, Precision::fp32},
+                           {"flat", Shading::flat, Fill::exact, Precision::fp32},
+                           {"gouraud", Shading::gouraud, Fill::exact, Precision::fp32},
+                           {"phong in binary64", Shading::phong, Fill::exact, Precision::fp64},
+                           {"phong in block integers", Shading::phong, Fill::exact, Precision::blockInteger},
+                           {"rays", Shading::ray, Fill::exact, Precision::fp32},
+                           {"notes, phong", Shading::phong, Fill::notes, Precision::fp32},
+                           {"notes, flat", Shading::flat, Fill::notes, Precision::fp32},
+                           {"wire", Shading::wire, Fill::exact, Precision::fp32},
+                           {"wire, culled", Shading::wire, Fill::exact, Precision::fp32, WireView::culled},
+                           {"wire, solid", Shading::wire, Fill::exact, Precision::fp32, WireView::solid}};
 
 RenderRequest requestOf(const Form& form, uint32_t width, uint32_t height) {
     RenderRequest r = requestOf(width, height);
@@ -130,7 +130,7 @@ RenderRequest requestOf(const Form& form, uint32_t width, uint32_t height) {
     r.fill = form.fill;
     r.wire = form.wire;
     if (form.shading != Shading::wire)
-        r.trade.numbers = form.numbers;
+        r.trade.precision = form.precision;
     else
         r.planes = kPlaneColour;
     return r;
@@ -320,12 +320,12 @@ std::vector<glm::dvec2> placesOf(const Scene& scene, const RenderRequest& reques
 TEST_F(Far, NoVertexIsFurtherOffThanTheBoundSays) {
     double tightest = 0;
     for (const double farthest : {10.0, 1e3, 1e5, 1e7})
-        for (const Numbers numbers : {Numbers::fp32, Numbers::blockInteger, Numbers::fp64}) {
+        for (const Precision precision : {Precision::fp32, Precision::blockInteger, Precision::fp64}) {
             Scene scene = strip(farthest, 0.77 * farthest);
             scene.objects[0].worldFromObject[0] *= 1.1;  // no float32
             scene.camera->eye.x *= 1.1;
             RenderRequest request = requestOf(160, 120);
-            request.trade.numbers = numbers;
+            request.trade.precision = precision;
             const double bound = vertexErrorOf(scene, request, 0).pixels;
             const double snap = 0.5 / 256;
             const std::vector<glm::dvec2> drawn = placesOf(scene, request);
@@ -342,7 +342,7 @@ TEST_F(Far, NoVertexIsFurtherOffThanTheBoundSays) {
                 const long double x = focal * p[0] / -p[2] + request.width / 2.0L, y = -focal * p[1] / -p[2] + request.height / 2.0L;
                 if (x < 0 || y < 0 || x > request.width || y > request.height) continue;
                 const double off = double(std::max(std::abs(x - drawn[v].x), std::abs(y - drawn[v].y)));
-                EXPECT_LE(off, bound + snap) << farthest << " " << int(numbers) << " vertex " << v;
+                EXPECT_LE(off, bound + snap) << farthest << " " << int(precision) << " vertex " << v;
                 tightest = std::max(tightest, (off - snap) / bound);
             }
         }

@@ -96,7 +96,7 @@ TEST_F(Frames, AreEqualWithEveryTrade) {
                 const Frame traded = both(scene, request);
                 // Shown on the picture in which there is a highlight, perspective and much that overlaps; 24 bits and 1 - n/w show in its depth alone; this
                 // scene has no transform that could round, below.
-                if (row.build != kSoup.build || shading != Shading::phong || trade.numbers != Numbers::fp32) continue;
+                if (row.build != kSoup.build || shading != Shading::phong || trade.precision != Precision::fp32) continue;
                 const bool inDepth = trade.depthBits == 24 || trade.depthBits == Trade::kStandardDepth;
                 EXPECT_NE(inDepth ? plain.z : plain.linear, inDepth ? traded.z : traded.linear) << "the choice changed nothing";
             }
@@ -117,9 +117,9 @@ TEST_F(Frames, AreEqualInLongNumbersWhereFloat32MovesVertices) {
             object.worldFromObject[0].x *= 1 + 0x1p-30;  // no float32
         }
         const Frame plain = both(scene, requestOf(row));
-        for (const Numbers numbers : {Numbers::blockInteger, Numbers::fp64}) {
+        for (const Precision precision : {Precision::blockInteger, Precision::fp64}) {
             RenderRequest request = requestOf(row);
-            request.trade.numbers = numbers;
+            request.trade.precision = precision;
             const Frame longer = both(scene, request);
             EXPECT_NE(plain.linear, longer.linear) << "the choice changed nothing";
             request.knobs.chunkTriangles = row.build == kInside.build ? 7 : 500;

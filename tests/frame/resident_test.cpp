@@ -94,8 +94,8 @@ TEST_F(Resident, DrawsWithEveryChoiceThatDependsOnTheView) {
     std::vector<RenderRequest> requests(6, requestOf(kSoup, Shading::phong, 1));
     requests[0].trade.vectors = Trade::Vectors::face;
     requests[1].trade.vectors = Trade::Vectors::scene;
-    requests[2].trade.numbers = Numbers::blockInteger;
-    requests[3].trade.numbers = Numbers::fp64;
+    requests[2].trade.precision = Precision::blockInteger;
+    requests[3].trade.precision = Precision::fp64;
     requests[4].distantViewer = true;
     requests[5].knobs.bandRows = 24;
     for (size_t i = 0; i < requests.size(); ++i) {

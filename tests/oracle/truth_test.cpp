@@ -449,11 +449,11 @@ TEST(TruthError, LongTransformsGain) {
     RenderRequest request = requestOf(160, 120);
     const Truth t = truthOf(scene, request);
     const FrameError single = errorOf(renderCpu(scene, request).frame, t, Encoding::srgb, false);
-    for (const Numbers numbers : {Numbers::blockInteger, Numbers::fp64}) {
-        request.trade.numbers = numbers;
+    for (const Precision precision : {Precision::blockInteger, Precision::fp64}) {
+        request.trade.precision = precision;
         const FrameError longer = errorOf(renderCpu(scene, request).frame, t, Encoding::srgb, false);
-        EXPECT_LT(longer.unrounded.rms, single.unrounded.rms) << int(numbers);
-        EXPECT_LT(2 * longer.wrongPrimitive, single.wrongPrimitive) << int(numbers);
+        EXPECT_LT(longer.unrounded.rms, single.unrounded.rms) << int(precision);
+        EXPECT_LT(2 * longer.wrongPrimitive, single.wrongPrimitive) << int(precision);
     }
 }
 

@@ -93,9 +93,9 @@ TEST_P(BinOverflow, AreListedWhole) {
                 EXPECT_GE(strips, 100u) << "hardly any strip: this shows nothing";
             }
             if (c.walked) {
-                EXPECT_GE(f.frame.places().medium.size(), 2048u) << "none is walked: this shows nothing";
+                EXPECT_GE(f.frame.slots().medium.size(), 2048u) << "none is walked: this shows nothing";
             }
-            EXPECT_EQ(f.frame.places().wide, c.wide);
+            EXPECT_EQ(f.frame.slots().wide, c.wide);
         }
 }
 

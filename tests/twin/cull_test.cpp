@@ -48,7 +48,7 @@ TEST_P(CullTwin, LeavesTheSameRecordsDrawsAndCorners) {
             }
             expectSame<gpu::ScreenVertex>("clip: corner", want, got);
             expectSame<glm::vec4>("clip: attributes of corner", wantAttributes, gotAttributes);
-            EXPECT_EQ(drawn, f.frame.places().drawn + f.frame.clippedDrawn()) << "the counters of drawn triangles";
+            EXPECT_EQ(drawn, f.frame.slots().drawn + f.frame.clippedDrawn()) << "the counters of drawn triangles";
             EXPECT_GT(drawn, 0u) << "nothing is drawn: this row shows nothing";
         }
     }

@@ -67,7 +67,7 @@ TEST_P(IlluminateTwin, LeavesTheSameBytes) {
         if (l.kind != 0 && at < std::min(total, 6u)) {
             const glm::vec3 p(positions[at++]);
             const gpu::ObjectRecord& o = objects[1];
-            l.place = {gpu::rowTimesPoint(o.world0, p), gpu::rowTimesPoint(o.world1, p), gpu::rowTimesPoint(o.world2, p)};
+            l.position = {gpu::rowTimesPoint(o.world0, p), gpu::rowTimesPoint(o.world1, p), gpu::rowTimesPoint(o.world2, p)};
         }
     const gpu::ShadeParts parts{row.diffuse, row.specular, row.point, row.power};
     const gpu::IlluminatePush push{

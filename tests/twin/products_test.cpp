@@ -103,13 +103,13 @@ TEST_P(ProductsTwin, MoreAccurateVerticesLeaveTheSameBytes) {
     Buffer<gpu::LongRecord> composite(device(), 1, "long rows");
     composite.upload(std::span(&record, 1));
     for (const uint64_t count : kCounts)
-        for (const Numbers numbers : {Numbers::blockInteger, Numbers::fp64}) {
+        for (const Precision precision : {Precision::blockInteger, Precision::fp64}) {
             const std::vector<glm::vec4> vertices = someVertices(count);
             std::vector<glm::vec4> want(count);
-            longVerticesCpu(numbers, record, vertices, want, 2);
-            expectVertices(numbers == Numbers::fp64 ? "binary64" : "integers", vertices, want,
+            longVerticesCpu(precision, record, vertices, want, 2);
+            expectVertices(precision == Precision::fp64 ? "binary64" : "integers", vertices, want,
                            [&](Recorder& r, const auto& in, const auto& out) {
-                               recordLongVertices(r, device().limits(), numbers, count, in, composite, out);
+                               recordLongVertices(r, device().limits(), precision, count, in, composite, out);
                            });
         }
 }

@@ -19,7 +19,7 @@ namespace {
 
 class SpheresTwin : public DeviceTest {};
 
-std::string noSource(size_t) { return ""; }
+std::string noLocation(size_t) { return ""; }
 
 struct Lit {
     std::vector<gpu::MaterialRecord> materials;
@@ -72,7 +72,7 @@ SphereList listOf(int width, int height, uint32_t count, int reach, uint32_t see
         const int column = whole(width), row = whole(height);
         list.add(discAt(column, row, 1 + int(r.below(uint32_t(reach * reach))), float(60 + r.below(40)), r.below(4)));
     }
-    list.close(noSource);
+    list.close(noLocation);
     return list;
 }
 
@@ -115,7 +115,7 @@ TEST_F(SpheresTwin, LeavesTheSameBytesWithPartsLeftOut) {
 TEST_F(SpheresTwin, FarPixelsAreNotCovered) {
     SphereList list(65600, 1);
     list.add(discAt(0, 0, 9, 50));
-    list.close(noSource);
+    list.close(noLocation);
     const SphereCanvas canvas = expectSameCanvas(device(), list, litOf(1).with(true));
     EXPECT_EQ(std::count(canvas.owner.begin(), canvas.owner.end(), 0u), 4);
 }
@@ -123,7 +123,7 @@ TEST_F(SpheresTwin, FarPixelsAreNotCovered) {
 TEST_F(SpheresTwin, AnEmptyListLeavesAnEmptyCanvas) {
     SphereList list(5, 3);
     EXPECT_FALSE(list.add(discAt(-6, 1, 25, 50))) << "one pixel beside the canvas";
-    list.close(noSource);
+    list.close(noLocation);
     const SphereCanvas canvas = expectSameCanvas(device(), list, litOf(1).with(true));
     EXPECT_EQ(canvas.owner, std::vector<uint32_t>(15, gpu::kNoSphere));
 }
@@ -131,7 +131,7 @@ TEST_F(SpheresTwin, AnEmptyListLeavesAnEmptyCanvas) {
 TEST_F(SpheresTwin, ManySpheresTakeSeveralDispatches) {
     SphereList list(640, 480);
     for (int i = 0; i < 600; ++i) list.add(discAt(320, 240, 200 * 200, float(50 + i % 7)));
-    list.close(noSource);
+    list.close(noLocation);
     Recorder recorder(device());
     const SphereLight light = litOf(1).with(true);
     const SphereCanvas got = spheresGpu(device(), recorder, list, light, exactForms(device())[0], kWatchdogMs),

@@ -117,14 +117,14 @@ TEST_P(TransformTwin, LeavesTheSameBytesInLongNumbers) {
                          float(std::ldexp(1.0, -exponent))});
     const std::vector<gpu::ObjectRecord> objects(2, list.objects[0]);
     EXPECT_EQ(lacksBinary64(device()), "") << "lavapipe has it";
-    for (const Numbers numbers : {Numbers::blockInteger, Numbers::fp64}) {
+    for (const Precision precision : {Precision::blockInteger, Precision::fp64}) {
         size_t visible = 0;
         for (uint32_t object = 0; object < objects.size(); ++object) {
             const gpu::TransformPush push{0, row.first, row.count, object, list.viewport};
             const Normals writtenNormals = row.normals ? Normals::direction : Normals::none;
             std::vector<gpu::ScreenVertex> screen(total);
             std::vector<glm::vec4> attributes(total), clip(total);
-            transformCpu(push, writtenNormals, positions, normals, objects, screen, attributes, 1, {numbers, longs, clip});
+            transformCpu(push, writtenNormals, positions, normals, objects, screen, attributes, 1, {precision, longs, clip});
             for (const gpu::ScreenVertex& s : std::span(screen).subspan(row.first)) visible += s.outcode == 0;
             for (const Specialization& exact : exactForms(device())) {
                 Recorder recorder(device());
@@ -137,7 +137,7 @@ TEST_P(TransformTwin, LeavesTheSameBytesInLongNumbers) {
                 gotAttributes.fill(kSentinel);
                 gotClip.fill(kSentinel);
                 recordLongTransform(recorder, device(), push, writtenNormals, exact, p, n, o, gotScreen, gotAttributes,
-                                    {numbers, l, gotClip});
+                                    {precision, l, gotClip});
                 recorder.run(kWatchdogMs);
                 expectSame<gpu::ScreenVertex>("transform: vertex", std::span(screen).subspan(row.first),
                                               gotScreen.span().subspan(row.first, row.count));

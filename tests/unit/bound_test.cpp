@@ -77,7 +77,7 @@ TEST(BoundOfTrade, HoldsInPictures) {
 TEST(BoundOfTrade, SaysWhatIsNotProved) {
     const Scene scene = committed("suzanne.toml");
     std::vector<Trade> trades(8);
-    trades[6].numbers = Numbers::blockInteger;
+    trades[6].precision = Precision::blockInteger;
     trades[7].vectors = Trade::Vectors::face;
     trades[0].vectors = Trade::Vectors::scene;
     trades[1].affine = true;
@@ -269,8 +269,8 @@ TEST(Rounding, OfTradesIsNotTheirError) {
     RenderRequest request = requestOf();
     const double plain = roundingOf(scene, request, renderCpu(scene, request).frame)->rms;
     std::vector<Trade> trades(9);
-    trades[5].numbers = Numbers::blockInteger;
-    trades[6].numbers = Numbers::fp64;
+    trades[5].precision = Precision::blockInteger;
+    trades[6].precision = Precision::fp64;
     trades[7].vectors = Trade::Vectors::face;
     trades[8].vectors = Trade::Vectors::vertex;
     trades[0].specular = Trade::Specular::schlick;

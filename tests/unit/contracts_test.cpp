@@ -70,7 +70,7 @@ TEST(Vectors, ALampAtThePlaceShinesFromNowhere) {
 
 TEST(Vectors, PlacesAndSharesAreThoseOfTheProjection) {
     // The pixel (x, y) at w = near / z: (rayOrigin + rayX x + rayY y) w.
-    const Place p = placeOfCorner(3 * 256 + 128, -256, 0.25f, 1.5f, {1, 2, 3}, {0.5f, 0, 0}, {0, 0.25f, 0});
+    const Position p = positionOfCorner(3 * 256 + 128, -256, 0.25f, 1.5f, {1, 2, 3}, {0.5f, 0, 0}, {0, 0.25f, 0});
     const float tie = kFewUlp * 18;  // the largest of the three
     EXPECT_NEAR(p.x, (1 + 0.5f * 3.5f) * 6, tie);
     EXPECT_NEAR(p.y, (2 - 0.25f) * 6, tie);

@@ -520,7 +520,7 @@ TEST(Measure, WithoutBinary64HasNoRowOfItAndSaysWhy) {
         plan.noBinary64 = lacks;
         plan.axes = {&axisOf("transform")};
         plan.draw = [&](const Scene& scene, const Setting& setting) {
-            EXPECT_TRUE(*lacks == '\0' || setting.request.trade.numbers != Numbers::fp64) << "drawn although the device lacks it";
+            EXPECT_TRUE(*lacks == '\0' || setting.request.trade.precision != Precision::fp64) << "drawn although the device lacks it";
             return renderCpu(scene, setting.request);
         };
         const Measurement m = measure(suzanne(), plan);
@@ -562,7 +562,7 @@ TEST(Measure, CutsWhatIsAskedLeastFirst) {
         for (const Row& row : m.rows)
             if (row.run && !row.baseline && m.runs[*row.run].bytes != m.runs[0].bytes && m.runs[*gone.run].bytes != m.runs[0].bytes &&
                 !m.runs[*gone.run].bytes.empty()) {
-                EXPECT_LE(askedPlace(*row.axis), askedPlace(*gone.axis)) << row.axis->name << " was kept, " << gone.axis->name << " cut";
+                EXPECT_LE(askedRank(*row.axis), askedRank(*gone.axis)) << row.axis->name << " was kept, " << gone.axis->name << " cut";
             }
 }
 

@@ -110,7 +110,7 @@ ColourBound boundOfTrade(const Scene& scene, const RenderRequest& request, const
         return notProved("only the raster shadings of --fill exact have bounds of their choices");
     if (t.vectors != Trade::Vectors::pixel)
         return notProved("a direction that is not the pixel's own may turn N.L's sign, and with it a highlight comes or goes at once");
-    if (t.numbers != Numbers::fp32) return notProved("a vertex that is off by less may be snapped to the next 1/256 px");
+    if (t.precision != Precision::fp32) return notProved("a vertex that is off by less may be snapped to the next 1/256 px");
     if (t.affine) return notProved("linear on the screen may be off by all that an attribute spans over a triangle");
     if (t.depthBits != 32) return notProved("triangles that fall together tie, and another one may be seen");
     if (t.subpixelBits != 8) return notProved("a vertex may move by 1/32 px, and its triangle with it");

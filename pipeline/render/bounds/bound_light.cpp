@@ -42,19 +42,19 @@ double distanceToTriangle(const dvec3& p, const dvec3& a, const dvec3& b, const 
     return sum > 0 ? glm::length(ap - (ab * vb + ac * vc) / sum) : 0;
 }
 
-LitPlaces::LitPlaces(const Scene& scene, const RenderRequest& request) : camera_(*scene.camera) {
+LitPoints::LitPoints(const Scene& scene, const RenderRequest& request) : camera_(*scene.camera) {
     const double side = request.samples == 16 ? 4 : request.samples == 4 ? 2 : 1;
     focal_ = focalOf(camera_, side * request.height, side);
     near_ = nearOf(camera_);
     traced_ = request.shading == Shading::ray;
 }
 
-double LitPlaces::aside(const Corners& p) const {
+double LitPoints::aside(const Corners& p) const {
     const Extent e = extentOf(p);
     return shift(e) + alongRay(e, e.reach);
 }
 
-double LitPlaces::fromLamp(const dvec3& lamp, const Corners& p) const {
+double LitPoints::fromLamp(const dvec3& lamp, const Corners& p) const {
     const Extent e = extentOf(p);
     const double distance = distanceToTriangle(lamp, p[0], p[1], p[2]), lampReach = glm::length(lamp - camera_.eye);
     // Points at a distance `x` from the light are at most lampReach + x from the eye. x less the error of float32 there is least at one of
@@ -64,7 +64,7 @@ double LitPlaces::fromLamp(const dvec3& lamp, const Corners& p) const {
     return std::max(0.0, std::min(left(distance), left(last)) - shift(e));
 }
 
-LitPlaces::Extent LitPlaces::extentOf(const Corners& p) const {
+LitPoints::Extent LitPoints::extentOf(const Corners& p) const {
     Extent e;
     for (const dvec3& corner : p) {
         const double depth = glm::dot(corner - camera_.eye, camera_.forward);
@@ -77,9 +77,9 @@ LitPlaces::Extent LitPlaces::extentOf(const Corners& p) const {
     return e;
 }
 
-double LitPlaces::shift(const Extent& e) const { return std::ldexp(e.reach, -20) + (traced_ ? 0 : e.most / focal_ * std::sqrt(2.0) / 512); }
+double LitPoints::shift(const Extent& e) const { return std::ldexp(e.reach, -20) + (traced_ ? 0 : e.most / focal_ * std::sqrt(2.0) / 512); }
 
-double LitPlaces::alongRay(const Extent& e, double reach) const { return traced_ ? 0 : reach * std::ldexp(12 * reach / e.least + 40, -24); }
+double LitPoints::alongRay(const Extent& e, double reach) const { return traced_ ? 0 : reach * std::ldexp(12 * reach / e.least + 40, -24); }
 
 double fadeAt(const Light& light, double distance) {
     if (light.directional || light.attenuation == Attenuation::none) return 1;
@@ -87,7 +87,7 @@ double fadeAt(const Light& light, double distance) {
 }
 
 std::vector<dvec3> mostLightOfMaterials(const Scene& scene, const RenderRequest& request) {
-    const LitPlaces places(scene, request);
+    const LitPoints points(scene, request);
     std::vector<dvec3> sum(scene.materials.size(), dvec3(0));
     for (const Light& light : scene.lights) {
         std::vector<double> nearest(scene.materials.size(), kInfinity);
@@ -98,7 +98,7 @@ std::vector<dvec3> mostLightOfMaterials(const Scene& scene, const RenderRequest&
             eachTriangle(scene, [&](const glm::dmat4& toWorld, const TriangleMesh& mesh, const TriangleMesh::Triangle& t) {
                 dvec3 p[3];
                 for (int i = 0; i < 3; ++i) p[i] = dvec3(toWorld * glm::dvec4(dvec3(mesh.positions[t.vertex[size_t(i)]]), 1));
-                meet(mesh.faceMaterial[t.face], places.fromLamp(light.position, p));
+                meet(mesh.faceMaterial[t.face], points.fromLamp(light.position, p));
             });
             // Spheres and planes are met by rays, too; a bounded plane is part of the whole one.
             for (const SphereShape& s : scene.spheres)

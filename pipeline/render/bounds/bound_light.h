@@ -19,10 +19,10 @@ double distanceToTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm::d
 //   n/w is interpolated in float32: 12 u of the triangle's largest (tests/oracle/fill_oracle_test.cpp), so w is off by 12 u w / least w of
 // itself. 40 u more cover the ray and the reciprocal. float32 may move a corner itself by 2^-20 of the triangle's reach. Rays meet the
 // triangle itself.
-class LitPlaces {
+class LitPoints {
 public:
     using Corners = glm::dvec3[3];
-    LitPlaces(const Scene& scene, const RenderRequest& request);
+    LitPoints(const Scene& scene, const RenderRequest& request);
     // Largest distance of a lit point from the triangle, wherever on it.
     double aside(const Corners& p) const;
     // Least distance of a lit point from the light.

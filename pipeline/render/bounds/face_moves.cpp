@@ -85,7 +85,7 @@ constexpr double kLeastPower = 0x1p-19;
 
 // Move of the power where both are lit. x = 1 - delta is R.V for the default. For the trade, with E the unit vector of T, R' = 2 (T.L) T - L gives
 // x' = x_E - 2 (1 - s^2) (E.L) ((E.V) - s^2 (E.L)).
-//   x' below x_E: (E.L) (1 - s^2 (E.L)) is at most 1 / (4 s^2), and at most 1 - s^2 where its place 1 / (2 s^2) is beyond 1.
+//   x' below x_E: (E.L) (1 - s^2 (E.L)) is at most 1 / (4 s^2), and at most 1 - s^2 where its maximum 1 / (2 s^2) is beyond 1.
 //   x' above x_E: E.V < s^2 E.L, which an E that faces away from the viewer has, too. With a the angle of L to E, b that of V, R and V enclose at least
 //     b - a. Where that is a right angle, (E.L) (s^2 (E.L) - (E.V)) reaches (s^2 + sqrt(1 + s^4)) / 2; where it is more, x_E is negative, counts as 0,
 //     and x' is no more than this allows.
@@ -117,11 +117,11 @@ double powerBound(const Material& m, double s2, double turned) {
 
 enum class Side { lit, dark, either };
 // Whether N.L > 0 for D and T alike, wherever in the triangle: N is a sum of the corners' normals with weights above 0, divided by at most 1.
-Side sideOf(const Light& light, const dvec3 (&place)[3], const dvec3 (&normal)[3], double aside, double error) {
+Side sideOf(const Light& light, const dvec3 (&corner)[3], const dvec3 (&normal)[3], double aside, double error) {
     bool allLit = true, allDark = true;
     for (const dvec3& n : normal) {
         const double length = glm::length(n);
-        for (const dvec3& p : place) {
+        for (const dvec3& p : corner) {
             const dvec3 toward = light.directional ? light.direction : light.position - p;
             const double margin = error * glm::length(toward) + (light.directional ? 0 : 2 * aside), cosine = glm::dot(n, toward) / length;
             allLit &= cosine > margin;
@@ -137,7 +137,7 @@ FaceMoves::FaceMoves(const Scene& scene, const RenderRequest& request)
     : scene_(scene),
       request_(request),
       list_(prepare(scene, request).list),
-      places_(scene, request),
+      points_(scene, request),
       native_(request.trade.specular == Trade::Specular::native),
       rough_(request.trade.specular == Trade::Specular::schlick),
       shorter_(!request.trade.unitNormals && request.shading == Shading::phong) {}
@@ -148,7 +148,7 @@ void FaceMoves::each(const Wanted& wanted, const Visit& visit) const {
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         const gpu::ObjectRecord& record = list_.objects[range.record];
         const glm::dmat4 toWorld = worldFromMesh(scene_, object);
-        const auto placeOf = [&](const auto& p) { return dvec3(toWorld * glm::dvec4(dvec3(p), 1)); };
+        const auto positionOf = [&](const auto& p) { return dvec3(toWorld * glm::dvec4(dvec3(p), 1)); };
         const auto normalOf = [&](const glm::vec4& v) {
             const glm::vec3 n(v);
             return dvec3(gpu::rowTimesVector(record.normal0, n), gpu::rowTimesVector(record.normal1, n),
@@ -156,32 +156,32 @@ void FaceMoves::each(const Wanted& wanted, const Visit& visit) const {
         };
         for (const TriangleMesh::Triangle& t : mesh.triangles) {
             if (!wanted(range.sceneObject, t.face)) continue;
-            dvec3 place[3], normal[3];
+            dvec3 corner[3], normal[3];
             for (size_t i = 0; i < 3; ++i) {
                 // Flat shading lights a face at its centre, which need not lie on a triangle of it.
                 const bool flat = request_.shading == Shading::flat;
-                place[i] = flat ? placeOf(mesh.faceCentre[t.face]) : placeOf(mesh.positions[t.vertex[i]]);
+                corner[i] = flat ? positionOf(mesh.faceCentre[t.face]) : positionOf(mesh.positions[t.vertex[i]]);
                 normal[i] = normalOf(flat ? list_.faceNormals[range.firstFace + t.face] : list_.normals[range.firstVertex + t.vertex[i]]);
             }
-            visit(range.sceneObject, t.face, moveOf(scene_.materials[mesh.faceMaterial[t.face]], place, normal));
+            visit(range.sceneObject, t.face, moveOf(scene_.materials[mesh.faceMaterial[t.face]], corner, normal));
         }
     }
 }
 
-FaceMoves::Move FaceMoves::moveOf(const Material& m, const dvec3 (&place)[3], const dvec3 (&normal)[3]) const {
+FaceMoves::Move FaceMoves::moveOf(const Material& m, const dvec3 (&corner)[3], const dvec3 (&normal)[3]) const {
     const NormalMove move = moveOfNormals(normal);
     const double s = move.length, s2 = s * s, turned = std::sin(std::min(move.turn, NormalMove::kHalfTurn / 2));
-    const double aside = places_.aside(place);
+    const double aside = points_.aside(corner);
     // |D.L - T.L| <= |D - T|, whose square (1 - |T|)^2 + 2 |T| (1 - cos turn) is largest at an end of |T|'s range.
     const double chord = 2 * (1 - std::cos(move.turn));
     const double diffuse = std::min(1.0, std::sqrt(std::max((1 - s) * (1 - s) + s * chord, chord)) + std::ldexp(16.0, -24));
     const double power = powerBound(m, s2, turned);
     dvec3 either(0), brighter(0), all = dvec3(m.ambient) * dvec3(scene_.ambient) + dvec3(m.emission);
     for (const Light& light : scene_.lights) {
-        const Side side = sideOf(light, place, normal, aside, kDirectionError / std::max(s, kDirectionError));
+        const Side side = sideOf(light, corner, normal, aside, kDirectionError / std::max(s, kDirectionError));
         if (side == Side::dark) continue;
         const dvec3 reaches =
-            dvec3(light.intensity) * fadeAt(light, light.directional ? kInfinity : places_.fromLamp(light.position, place));
+            dvec3(light.intensity) * fadeAt(light, light.directional ? kInfinity : points_.fromLamp(light.position, corner));
         if (!isFinite(reaches)) return {dvec3(kInfinity), dvec3(kInfinity)};
         const dvec3 shine = reaches * dvec3(m.specular);
         all += reaches * (dvec3(m.diffuse) + dvec3(m.specular));
@@ -189,7 +189,7 @@ FaceMoves::Move FaceMoves::moveOf(const Material& m, const dvec3 (&place)[3], co
         if (native_) either += shine * double(gpu::nativePowerBound(m.shininess));
         if (rough_ && m.shininess != 0) brighter += shine * double(gpu::kSchlickExcess);  // x^0 is 1 for both; never darker
         if (!shorter_) continue;
-        const double flip = side == Side::either && power < 1 && anyShine(m) ? flipBound(m, light, place, aside, turned) : 0;
+        const double flip = side == Side::either && power < 1 && anyShine(m) ? flipBound(m, light, corner, aside, turned) : 0;
         either += reaches * dvec3(m.diffuse) * diffuse + shine * std::max(power, flip);
     }
     // Two float32 evaluations of the same sum of terms: each light's product and the sum round a few times. 16 u of all that is added, a light; as much
@@ -200,20 +200,20 @@ FaceMoves::Move FaceMoves::moveOf(const Material& m, const dvec3 (&place)[3], co
 
 // Where one of D and T is lit and the other is not, all of a highlight comes or goes. N.L of the lit one is below sin(turn) then, and R.V below
 // -L.V + 2 sin(turn).
-double FaceMoves::flipBound(const Material& m, const Light& light, const dvec3 (&place)[3], double aside, double turned) const {
+double FaceMoves::flipBound(const Material& m, const Light& light, const dvec3 (&corner)[3], double aside, double turned) const {
     if (m.shininess < 1) return 1;  // (R.V)^0 is 1 for every R.V
     const dvec3& eye = scene_.camera->eye;
     const dvec3 viewer(list_.towardViewer);
     double cosine = 1;  // of -L.V at most
     if (light.directional) {
         const dvec3 toward = glm::normalize(light.direction);
-        cosine = viewer == dvec3(0) ? mostCosine(eye, toward, place, aside) : -glm::dot(toward, viewer);
+        cosine = viewer == dvec3(0) ? mostCosine(eye, toward, corner, aside) : -glm::dot(toward, viewer);
     } else if (viewer != dvec3(0)) {
-        cosine = mostCosine(light.position, viewer, place, aside);
+        cosine = mostCosine(light.position, viewer, corner, aside);
     } else {
         // (lamp - P).(eye - P) = |P - middle|^2 - half^2: negative only within the sphere between lamp and eye.
         const double half = glm::length(light.position - eye) / 2;
-        const auto from = [&](const dvec3& to) { return std::max(0.0, distanceToTriangle(to, place[0], place[1], place[2]) - aside); };
+        const auto from = [&](const dvec3& to) { return std::max(0.0, distanceToTriangle(to, corner[0], corner[1], corner[2]) - aside); };
         const double middle = from((light.position + eye) / 2.0), lamp = from(light.position), near = from(eye);
         const double inside = half * half - middle * middle;
         cosine = inside <= 0 ? 0 : lamp * near > inside ? inside / (lamp * near) : 1;

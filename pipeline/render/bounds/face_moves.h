@@ -28,13 +28,13 @@ public:
     void each(const Wanted& wanted, const Visit& visit) const;
 
 private:
-    Move moveOf(const Material& m, const glm::dvec3 (&place)[3], const glm::dvec3 (&normal)[3]) const;
-    double flipBound(const Material& m, const Light& light, const glm::dvec3 (&place)[3], double aside, double turned) const;
+    Move moveOf(const Material& m, const glm::dvec3 (&corner)[3], const glm::dvec3 (&normal)[3]) const;
+    double flipBound(const Material& m, const Light& light, const glm::dvec3 (&corner)[3], double aside, double turned) const;
 
     const Scene& scene_;
     const RenderRequest& request_;
     const DrawList list_;
-    const LitPlaces places_;
+    const LitPoints points_;
     const bool native_, rough_, shorter_;
 };
 

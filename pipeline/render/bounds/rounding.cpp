@@ -98,8 +98,8 @@ public:
         for (const DrawList::Range& r : list.ranges) {
             const gpu::ObjectRecord& o = list.objects[r.record];
             for (uint32_t v = r.firstVertex; v < r.firstVertex + r.vertexCount; ++v) {
-                const double w = list.numbers == Numbers::fp32 ? alongRow(o.rowW, list.positions[v]) + double(o.rowW.w)
-                                                               : alongLongRow(list.longs[r.record].w, list.positions[v]);
+                const double w = list.precision == Precision::fp32 ? alongRow(o.rowW, list.positions[v]) + double(o.rowW.w)
+                                                                   : alongLongRow(list.longs[r.record].w, list.positions[v]);
                 if (g_.screen[v].outcode == 0) z_[v] = double(list.viewport.near) / w;
                 attributes_[v] =
                     gouraud ? lit(o, list.positions[v], list.normals[v], list.vertexMaterial[v]) : normalOf(o, list.normals[v]);
@@ -164,10 +164,10 @@ private:
     dvec3 shadeByVectors(const gpu::DrawTriangle& d, const gpu::MaterialRecord& m, const dvec3& n, const dvec3& shares) const {
         const DrawList& list = p_.list;
         const bool face = p_.choices.vectors == gpu::kVectorsFace;
-        dvec3 places[3];
+        dvec3 points[3];
         for (int i = 0; i < 3; ++i) {
             const gpu::ScreenVertex& v = g_.screen[d.vertex[i]];
-            places[i] = face ? dvec3(list.facePlaces[list.triangleFace[d.source]])
+            points[i] = face ? dvec3(list.faceCentres[list.triangleFace[d.source]])
                              : (dvec3(list.rayOrigin) + dvec3(list.rayX) * (double(v.x) / gpu::kSubpixels) +
                                 dvec3(list.rayY) * (double(v.y) / gpu::kSubpixels)) *
                                    (double(list.viewport.near) / z_[d.vertex[i]]);
@@ -175,7 +175,7 @@ private:
         const auto made = [&](const auto& toward) {
             reread::Toward t{};
             for (int i = 0; i < 3; ++i) {
-                const reread::Toward at = toward(places[i]);
+                const reread::Toward at = toward(points[i]);
                 const double share = face ? double(i == 0) : shares[i];
                 t = {t.x + share * at.x, t.y + share * at.y, t.z + share * at.z, t.fade + share * at.fade};
             }
@@ -188,10 +188,10 @@ private:
         const reread::Surface s{n.x, n.y, n.z, eye.x, eye.y, eye.z, 0, 0, 0};
         reread::Colour c{double(m.base.x), double(m.base.y), double(m.base.z)};
         for (const gpu::LightRecord& light : list.lights) {
-            const dvec4 place(glm::dvec3(light.place), double(light.kind)),
+            const dvec4 position(glm::dvec3(light.position), double(light.kind)),
                 intensity(glm::dvec3(light.intensity), double(light.attenuation));
             const auto lamp = [&](const dvec3& p) {
-                reread::Toward t = reread::towardLight(place, intensity.w, true, p.x, p.y, p.z);
+                reread::Toward t = reread::towardLight(position, intensity.w, true, p.x, p.y, p.z);
                 if (!(t.fade < 0x1p100)) t.fade = 0;
                 return t;
             };
@@ -215,7 +215,7 @@ private:
         const reread::Reflectance k = reflects(m);
         reread::Colour c{double(m.base.x), double(m.base.y), double(m.base.z)};
         for (const gpu::LightRecord& light : p_.list.lights)
-            reread::addLight(dvec4(glm::dvec3(light.place), double(light.kind)),
+            reread::addLight(dvec4(glm::dvec3(light.position), double(light.kind)),
                              dvec4(glm::dvec3(light.intensity), double(light.attenuation)), s, k, partsRead(), c);
         return {c.r, c.g, c.b};
     }

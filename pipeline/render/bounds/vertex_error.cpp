@@ -51,10 +51,10 @@ struct Row {
 
 enum class Arithmetic { fp32, blockInteger, fp64, ray, host };
 
-struct Placed {
+struct Projected {
     double x = 0, y = 0, w = 0, errorX = 0, errorY = 0, errorW = 0;
 };
-Placed between(const Placed& a, const Placed& b, double t) {
+Projected between(const Projected& a, const Projected& b, double t) {
     const auto mix = [t](double p, double q) { return p + (q - p) * t; };
     return {mix(a.x, b.x), mix(a.y, b.y), mix(a.w, b.w), mix(a.errorX, b.errorX), mix(a.errorY, b.errorY), mix(a.errorW, b.errorW)};
 }
@@ -81,12 +81,12 @@ public:
         if (mesh_.positions.empty()) return 0;
         const double ofBox = box();
         if (ofBox <= enough) return ofBox;
-        std::vector<Placed> placed;
-        placed.reserve(mesh_.positions.size());
-        for (const glm::vec3& p : mesh_.positions) placed.push_back(place(dvec3(p)));
+        std::vector<Projected> projected;
+        projected.reserve(mesh_.positions.size());
+        for (const glm::vec3& p : mesh_.positions) projected.push_back(project(dvec3(p)));
         double worst = 0, settled = 0;
         for (const TriangleMesh::Triangle& t : mesh_.triangles) {
-            const std::array<Placed, 3> corners{placed[t.vertex[0]], placed[t.vertex[1]], placed[t.vertex[2]]};
+            const std::array<Projected, 3> corners{projected[t.vertex[0]], projected[t.vertex[1]], projected[t.vertex[2]]};
             if (outside(corners)) continue;
             const double atMost = rough(corners);
             if (atMost <= enough)
@@ -121,7 +121,7 @@ private:
                 row.constant = 4.01 * kUnit64 * sum;
                 row.finalUnit = kUnit;
                 break;
-            case Arithmetic::ray:  // one rounding along each axis of the world; place() adds it
+            case Arithmetic::ray:  // one rounding along each axis of the world; project() adds it
             case Arithmetic::host:
                 break;
         }
@@ -139,7 +139,7 @@ private:
         return row;
     }
 
-    Placed place(const dvec3& p) const {
+    Projected project(const dvec3& p) const {
         const dvec3 magnitude = glm::abs(p);
         const double x = rowX_.at(p), y = rowY_.at(p), w = rowW_.at(p);
         return {x, y, w, rowX_.error(magnitude, x), rowY_.error(magnitude, y), rowW_.error(magnitude, w)};
@@ -157,8 +157,8 @@ private:
     double box() const {
         double least = kInfinity, farthest[3] = {};
         for (int i = 0; i < 8; ++i) {
-            const Placed p = place({i & 1 ? mesh_.boundsMax.x : mesh_.boundsMin.x, i & 2 ? mesh_.boundsMax.y : mesh_.boundsMin.y,
-                                    i & 4 ? mesh_.boundsMax.z : mesh_.boundsMin.z});
+            const Projected p = project({i & 1 ? mesh_.boundsMax.x : mesh_.boundsMin.x, i & 2 ? mesh_.boundsMax.y : mesh_.boundsMin.y,
+                                         i & 4 ? mesh_.boundsMax.z : mesh_.boundsMin.z});
             least = std::min(least, p.w);
             farthest[0] = std::max(farthest[0], std::abs(p.x));
             farthest[1] = std::max(farthest[1], std::abs(p.y));
@@ -169,9 +169,9 @@ private:
                       rowW_.error(reach_, farthest[2]) + cut * farthest[2], w);
     }
 
-    // The planes of the view as signed distances, inside at or above 0, each moved outward by how far the place may be off: what is drawn outside may
+    // The planes of the view as signed distances, inside at or above 0, each moved outward by how far the projection may be off: what is drawn outside may
     // belong inside.
-    double distance(int plane, const Placed& p) const {
+    double distance(int plane, const Projected& p) const {
         switch (plane) {
             case 0:
                 return p.w + p.errorW - near_;
@@ -185,17 +185,17 @@ private:
                 return halfY_ * p.w - p.y + (p.errorY + halfY_ * p.errorW);
         }
     }
-    bool outside(const std::array<Placed, 3>& corners) const {
+    bool outside(const std::array<Projected, 3>& corners) const {
         for (int plane = 0; plane < 5; ++plane)
-            if (std::all_of(corners.begin(), corners.end(), [&](const Placed& p) { return distance(plane, p) < 0; })) return true;
+            if (std::all_of(corners.begin(), corners.end(), [&](const Projected& p) { return distance(plane, p) < 0; })) return true;
         return false;
     }
     // No less than visible(): the largest errors at the least depth.
-    double rough(const std::array<Placed, 3>& corners) const {
+    double rough(const std::array<Projected, 3>& corners) const {
         const double cut = cutOf(corners);
-        Placed most;
+        Projected most;
         double least = kInfinity, largest[3] = {};
-        for (const Placed& p : corners) {
+        for (const Projected& p : corners) {
             least = std::min(least, p.w);
             most.errorX = std::max(most.errorX, p.errorX), largest[0] = std::max(largest[0], std::abs(p.x));
             most.errorY = std::max(most.errorY, p.errorY), largest[1] = std::max(largest[1], std::abs(p.y));
@@ -207,26 +207,26 @@ private:
         return pixels(most.errorX, most.errorY, most.errorW, w, halfX_ + (most.errorX + halfX_ * most.errorW) / w,
                       halfY_ + (most.errorY + halfY_ * most.errorW) / w);
     }
-    double cutOf(const std::array<Placed, 3>& corners) const {
+    double cutOf(const std::array<Projected, 3>& corners) const {
         const bool cut = arithmetic_ != Arithmetic::ray && arithmetic_ != Arithmetic::host &&
-                         std::any_of(corners.begin(), corners.end(), [&](const Placed& p) { return p.w < near_; });
+                         std::any_of(corners.begin(), corners.end(), [&](const Projected& p) { return p.w < near_; });
         return cut ? kCut : 0;
     }
 
     // The part of a triangle within the view (Sutherland and Hodgman), the errors moved along: a quotient of linear terms is largest at a corner.
-    double visible(const std::array<Placed, 3>& corners) const {
-        std::vector<Placed> polygon(corners.begin(), corners.end());
+    double visible(const std::array<Projected, 3>& corners) const {
+        std::vector<Projected> polygon(corners.begin(), corners.end());
         if (const double cut = cutOf(corners); cut > 0) {
             double largest[3] = {};
-            for (const Placed& p : corners)
+            for (const Projected& p : corners)
                 largest[0] = std::max(largest[0], std::abs(p.x)), largest[1] = std::max(largest[1], std::abs(p.y)),
                 largest[2] = std::max(largest[2], std::abs(p.w));
-            for (Placed& p : polygon) p.errorX += cut * largest[0], p.errorY += cut * largest[1], p.errorW += cut * largest[2];
+            for (Projected& p : polygon) p.errorX += cut * largest[0], p.errorY += cut * largest[1], p.errorW += cut * largest[2];
         }
         for (int plane = 0; plane < 5 && !polygon.empty(); ++plane) {
-            std::vector<Placed> kept;
+            std::vector<Projected> kept;
             for (size_t i = 0; i < polygon.size(); ++i) {
-                const Placed &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+                const Projected &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
                 const double da = distance(plane, a), db = distance(plane, b);
                 if (da >= 0) kept.push_back(a);
                 if ((da >= 0) != (db >= 0)) kept.push_back(between(a, b, da / (da - db)));
@@ -234,7 +234,7 @@ private:
             polygon = std::move(kept);
         }
         double worst = 0;
-        for (const Placed& p : polygon) worst = std::max(worst, pixels(p.errorX, p.errorY, p.errorW, p.w, p.x / p.w, p.y / p.w));
+        for (const Projected& p : polygon) worst = std::max(worst, pixels(p.errorX, p.errorY, p.errorW, p.w, p.x / p.w, p.y / p.w));
         return worst;
     }
 
@@ -256,9 +256,9 @@ Arithmetic arithmeticOf(const Technique& technique, const RenderRequest& request
         case Technique::Vertices::transformPass:
             break;
     }
-    return request.trade.numbers == Numbers::fp64           ? Arithmetic::fp64
-           : request.trade.numbers == Numbers::blockInteger ? Arithmetic::blockInteger
-                                                            : Arithmetic::fp32;
+    return request.trade.precision == Precision::fp64           ? Arithmetic::fp64
+           : request.trade.precision == Precision::blockInteger ? Arithmetic::blockInteger
+                                                                : Arithmetic::fp32;
 }
 
 VertexError errorOf(const Scene& scene, const RenderRequest& request, uint32_t object, double enough) {

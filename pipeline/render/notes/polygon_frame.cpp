@@ -69,7 +69,7 @@ private:
     }
 
     [[noreturn]] void refuseCrossing(const Object& object, const TriangleMesh& mesh, uint32_t face) const {
-        throw inputError(mesh.place.empty() ? printablePath(scene_.path) : mesh.place,
+        throw inputError(mesh.location.empty() ? printablePath(scene_.path) : mesh.location,
                          fmt::format("mesh.faces[{}] crosses itself (object '{}'), and --fill notes fills simple polygons", face,
                                      printable(object.name, 64)));
     }
@@ -80,7 +80,7 @@ private:
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         if (mesh.selfCrossingFaces > 0) refuseCrossing(object, mesh, mesh.firstSelfCrossing);
         const gpu::ObjectRecord& record = p_.list.objects[r.record];
-        list_.source = placeOfPart(object.place, scene_.path, "object", object.name);
+        list_.location = locationOfPart(object.location, scene_.path, "object", object.name);
         const glm::dmat4 toWorld = worldFromMesh(scene_, object);
         const bool mirrored = mirrors(toWorld);
         const uint32_t shading = p_.choices.shading;

@@ -35,13 +35,13 @@ Listed listOf(const Scene& scene, const Prepared& p, const RenderRequest& reques
     Listed out{SphereList(int(p.width), int(p.height)), {}};
     const glm::dvec3 eye = scene.camera->eye;
     constexpr double kFar = 0x1p24;  // pixels: whole numbers, and far off any canvas
-    const auto sourceOf = [&](size_t i) {
+    const auto locationOf = [&](size_t i) {
         const SphereShape& s = scene.spheres[i];
-        return placeOfPart(s.place, scene.path, "sphere", s.name.empty() ? std::to_string(i) : s.name);
+        return locationOfPart(s.location, scene.path, "sphere", s.name.empty() ? std::to_string(i) : s.name);
     };
     for (uint32_t i = 0; i < scene.spheres.size(); ++i) {
         const SphereShape& s = scene.spheres[i];
-        const auto refuse = [&](const std::string& what) { throw inputError(sourceOf(i), what); };
+        const auto refuse = [&](const std::string& what) { throw inputError(locationOf(i), what); };
         if (s.radius < 1 || s.radius > gpu::kSphereReach)
             refuse(fmt::format("its radius is {:g}; --fill notes draws spheres of 1 to {} pixels", s.radius, gpu::kSphereReach));
         const glm::dvec3 centre = s.centre - eye;
@@ -59,7 +59,7 @@ Listed listOf(const Scene& scene, const Prepared& p, const RenderRequest& reques
         d.material = p.list.sphereMaterial[i];
         if (out.list.add(d)) out.from.push_back(i);
     }
-    out.list.close([&](size_t disc) { return sourceOf(out.from[disc]); });
+    out.list.close([&](size_t disc) { return locationOf(out.from[disc]); });
     return out;
 }
 
@@ -124,14 +124,14 @@ void refuseSpheres(const Scene& scene, const RenderRequest& request) {
     if (request.samples != 1) throw usageError("--fill notes draws one sample a pixel: leave --samples out");
     if (!scene.objects.empty())
         throw inputError(
-            firstShapePlace(scene),
+            firstShapeLocation(scene),
             "it has meshes beside spheres; --fill notes draws spheres in parallel projection and meshes in perspective, so not both");
     if (scene.lights.size() > size_t(gpu::kSphereLights))
-        throw inputError(scene.lights[size_t(gpu::kSphereLights)].place.empty() ? printablePath(scene.path)
-                                                                                : scene.lights[size_t(gpu::kSphereLights)].place,
+        throw inputError(scene.lights[size_t(gpu::kSphereLights)].location.empty() ? printablePath(scene.path)
+                                                                                   : scene.lights[size_t(gpu::kSphereLights)].location,
                          fmt::format("{} lights; --fill notes draws spheres under at most {}", scene.lights.size(), gpu::kSphereLights));
     if (!(scene.camera->focalPixels > 0))
-        throw inputError(firstShapePlace(scene), "--fill notes draws spheres for the viewer of camera.distance, a pixel a unit");
+        throw inputError(firstShapeLocation(scene), "--fill notes draws spheres for the viewer of camera.distance, a pixel a unit");
 }
 
 Prepared prepareSpheres(const Scene& scene, const RenderRequest& request, RunsOn side) {

@@ -185,7 +185,7 @@ void Canvas::recordTiles(Geometry& geometry, const Tiles& binned, std::span<cons
                               encodeTable_,
                               colours_,
                               planeBuffer_,
-                              geometry.trianglePlaces(),
+                              geometry.triangleCentres(),
                               firstColour_,
                               planeQuads_};
     const uint64_t perTile = kWorkPerTile * (1 + push.lightCount);

@@ -15,11 +15,11 @@ namespace plumb {
 namespace {
 
 void addCounts(const GpuFrame& frame, RenderCounters& c) {
-    c.culledBackFace += frame.places().backFacing;
-    c.culledZeroArea += frame.places().zeroArea;
-    c.culledOutside += frame.places().outside;
-    c.clipped += frame.places().jobs.size();
-    c.drawnTriangles += frame.places().drawn + frame.clippedDrawn();
+    c.culledBackFace += frame.slots().backFacing;
+    c.culledZeroArea += frame.slots().zeroArea;
+    c.culledOutside += frame.slots().outside;
+    c.clipped += frame.slots().jobs.size();
+    c.drawnTriangles += frame.slots().drawn + frame.clippedDrawn();
 }
 
 // What the kernel must leave for the planes that were asked for, and for resolving.

@@ -20,7 +20,7 @@ void Geometry::upload(const DrawList& chunk) {
     put<glm::vec4>(device_, positions_, chunk.positions, "positions");
     put<glm::vec4>(device_, normals_, chunk.normals, "normals");
     put<glm::uvec4>(device_, triangles_, chunk.triangles, "triangles");
-    if (chunk.numbers != Numbers::fp32) clipSpace_.reserve(device_, std::max<uint64_t>(1, chunk.positions.size()), "clip space");
+    if (chunk.precision != Precision::fp32) clipSpace_.reserve(device_, std::max<uint64_t>(1, chunk.positions.size()), "clip space");
     put<gpu::MaterialRecord>(device_, materials_, chunk.materials, "materials");
     std::vector<uint32_t> materialOf(chunk.triangles.size());
     const bool flat = prepared_.choices.shading == gpu::kShadingFlat;
@@ -44,12 +44,12 @@ void Geometry::uploadView(bool objects) {
     const DrawList& chunk = *chunk_;
     if (objects) attributesAreNormals_ = false;
     put<gpu::ObjectRecord>(device_, objects_, chunk.objects, "objects");
-    if (chunk.numbers != Numbers::fp32) put<gpu::LongRecord>(device_, longs_, chunk.longs, "long rows");
+    if (chunk.precision != Precision::fp32) put<gpu::LongRecord>(device_, longs_, chunk.longs, "long rows");
     put<gpu::LightRecord>(device_, lights_, chunk.lights, "lights");
-    std::vector<glm::vec4> places(chunk.facePlaces.empty() ? 1 : chunk.triangles.size());
-    if (!chunk.facePlaces.empty())
-        for (size_t t = 0; t < places.size(); ++t) places[t] = chunk.facePlaces[chunk.triangleFace[t]];
-    put<glm::vec4>(device_, trianglePlaces_, places, "places of faces");
+    std::vector<glm::vec4> centres(chunk.faceCentres.empty() ? 1 : chunk.triangles.size());
+    if (!chunk.faceCentres.empty())
+        for (size_t t = 0; t < centres.size(); ++t) centres[t] = chunk.faceCentres[chunk.triangleFace[t]];
+    put<glm::vec4>(device_, triangleCentres_, centres, "centres of faces");
 }
 
 void Geometry::transformAndCull(bool normals) {
@@ -62,11 +62,11 @@ void Geometry::transformAndCull(bool normals) {
         if (r.vertexCount == 0) continue;
         const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, chunk_->viewport};
         const Normals written = writeNormals ? normalsOfTransform(choices, normals) : Normals::none;
-        if (chunk_->numbers == Numbers::fp32)
+        if (chunk_->precision == Precision::fp32)
             recordTransform(recorder_, push, written, {}, positions_, normals_, objects_, screen_, attributes_);
         else
             recordLongTransform(recorder_, device_, push, written, {}, positions_, normals_, objects_, screen_, attributes_,
-                                {chunk_->numbers, longs_, clipSpace_});
+                                {chunk_->precision, longs_, clipSpace_});
         const uint32_t lightCount = uint32_t(chunk_->lights.size());
         if (gouraud)
             recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {},
@@ -81,11 +81,11 @@ void Geometry::transformAndCull(bool normals) {
     attributesAreNormals_ = wantNormals;
 }
 
-void Geometry::place() {
+void Geometry::assignSlots() {
     const uint64_t lanes = (chunk_->triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane;
-    places_ = placeDraws(records_.span().first(lanes), *chunk_, uint32_t(chunk_->positions.size()));
-    const uint64_t corners = chunk_->positions.size() + places_.clippedVertices;
-    budget_.check("drawn triangles", places_.drawCount, sizeof(gpu::DrawTriangle));
+    slots_ = assignSlots(records_.span().first(lanes), *chunk_, uint32_t(chunk_->positions.size()));
+    const uint64_t corners = chunk_->positions.size() + slots_.clippedVertices;
+    budget_.check("drawn triangles", slots_.drawCount, sizeof(gpu::DrawTriangle));
     budget_.check("vertices", corners, sizeof(glm::vec4));
     if (corners > screen_.count()) {  // more clipped triangles than usual: keep the transformed vertices
         const std::vector<gpu::ScreenVertex> screen(screen_.span().begin(), screen_.span().end());
@@ -95,23 +95,24 @@ void Geometry::place() {
         screen_.upload(screen);
         attributes_.upload(attributes);
     }
-    draws_.reserve(device_, places_.drawCount, "draw list");
-    sources_.reserve(device_, std::max(1u, places_.drawCount), "drawn triangles");
-    listDrawn(std::as_const(records_).span().first(lanes), sources_.span().first(places_.drawCount));
+    draws_.reserve(device_, slots_.drawCount, "draw list");
+    sources_.reserve(device_, std::max(1u, slots_.drawCount), "drawn triangles");
+    listDrawn(std::as_const(records_).span().first(lanes), sources_.span().first(slots_.drawCount));
 }
 
 void Geometry::setUp(const SetupTiles& tiles) {
-    recordSetup(recorder_, {0, places_.drawCount, tiles.tilesX, tiles.room, chunk_->frame}, chunk_->cullBackFaces == 0, {}, triangles_,
+    recordSetup(recorder_, {0, slots_.drawCount, tiles.tilesX, tiles.room, chunk_->frame}, chunk_->cullBackFaces == 0, {}, triangles_,
                 screen_, sources_, draws_, tiles.tiles, tiles.entries, tiles.overflow);
-    wide_ = places_.wide;
+    wide_ = slots_.wide;
     clippedDrawn_ = 0;
-    if (places_.jobs.empty()) return recorder_.skip("clip", "no triangle crosses the near plane or leaves the guard band");
-    put<gpu::ClipJob>(device_, jobs_, places_.jobs, "clip jobs");
-    kinds_.reserve(device_, places_.jobs.size(), "clip kinds");
-    recordClip(recorder_, {0, uint32_t(places_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, {}, triangles_,
-               positions_, objects_, jobs_, screen_, attributes_, draws_, kinds_, chunk_->numbers == Numbers::fp32 ? nullptr : &clipSpace_);
+    if (slots_.jobs.empty()) return recorder_.skip("clip", "no triangle crosses the near plane or leaves the guard band");
+    put<gpu::ClipJob>(device_, jobs_, slots_.jobs, "clip jobs");
+    kinds_.reserve(device_, slots_.jobs.size(), "clip kinds");
+    recordClip(recorder_, {0, uint32_t(slots_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, {}, triangles_,
+               positions_, objects_, jobs_, screen_, attributes_, draws_, kinds_,
+               chunk_->precision == Precision::fp32 ? nullptr : &clipSpace_);
     recorder_.run(watchdogMs_);
-    for (size_t j = 0; j < places_.jobs.size(); ++j) {
+    for (size_t j = 0; j < slots_.jobs.size(); ++j) {
         wide_ |= kinds_.span()[j] & 1;
         clippedDrawn_ += kinds_.span()[j] >> 1;
     }

@@ -40,12 +40,12 @@ public:
     // Runs transform, illuminate and cull. `normals`: the attributes are world normals whatever the shading (normal plane).
     void transformAndCull(bool normals);
     // Runs the host's step: gives each drawn triangle its slot. Throws TooLarge before anything is written.
-    void place();
+    void assignSlots();
     // Records set-up; where something is clipped, runs it and clip.
     void setUp(const SetupTiles& tiles);
 
     const DrawList& chunk() const { return *chunk_; }
-    const DrawPlaces& places() const { return places_; }
+    const DrawSlots& slots() const { return slots_; }
     bool wide() const { return wide_; }  // a triangle is too large for the fill's short arithmetic
     uint64_t clippedDrawn() const { return clippedDrawn_; }
 
@@ -58,7 +58,7 @@ public:
     const Buffer<uint32_t>& triangleMaterials() const { return triangleMaterial_; }
     const Buffer<gpu::MaterialRecord>& materials() const { return materials_; }
     const Buffer<gpu::LightRecord>& lights() const { return lights_; }
-    const Buffer<glm::vec4>& trianglePlaces() const { return trianglePlaces_; }
+    const Buffer<glm::vec4>& triangleCentres() const { return triangleCentres_; }
 
 private:
     Device& device_;
@@ -67,12 +67,12 @@ private:
     const Budget& budget_;
     const double watchdogMs_;
     const DrawList* chunk_ = nullptr;
-    DrawPlaces places_;
+    DrawSlots slots_;
     uint64_t clippedDrawn_ = 0;
     bool wide_ = false;
     bool attributesAreNormals_ = false;  // attributes_ holds the world normals of what was uploaded
 
-    Buffer<glm::vec4> trianglePlaces_;
+    Buffer<glm::vec4> triangleCentres_;
     Buffer<glm::vec4> positions_, normals_, facePositions_, faceNormals_, attributes_, faceColours_;
     Buffer<uint32_t> vertexMaterial_, faceMaterial_, triangleMaterial_, sources_, kinds_;
     Buffer<glm::uvec4> triangles_;

@@ -17,8 +17,8 @@ GpuFrame::GpuFrame(Device& device, const Prepared& prepared, double watchdogMs)
 }
 
 void GpuFrame::setupForBin() {
-    geometry_.place();
-    geometry_.setUp(tiles_.forSetup(geometry_.places().drawCount, geometry_.chunk().frame));
+    geometry_.assignSlots();
+    geometry_.setUp(tiles_.forSetup(geometry_.slots().drawCount, geometry_.chunk().frame));
 }
 
 void GpuFrame::setup() {

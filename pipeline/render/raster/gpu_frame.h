@@ -63,7 +63,7 @@ public:
     uint32_t resolvedRowPixels() const { return canvas_.resolvedRowPixels(); }
 
     Recorder& recorder() { return recorder_; }
-    const DrawPlaces& places() const { return geometry_.places(); }
+    const DrawSlots& slots() const { return geometry_.slots(); }
     uint64_t clippedDrawn() const { return geometry_.clippedDrawn(); }
     uint64_t binEntries() const { return tiles_.entryCount(); }
     bool binned() const { return tiles_.binned(); }

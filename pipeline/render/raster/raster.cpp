@@ -67,7 +67,7 @@ void planSteps(const RenderRequest& request, RunsOn side, Prepared& p) {
 
 Prepared prepareRaster(const Scene& scene, const RenderRequest& request, RunsOn side) {
     Preparing it(scene, request, shadingOf(request));
-    it.p.list.numbers = request.trade.numbers;
+    it.p.list.precision = request.trade.precision;
     it.dropRays(raysAskedBy(scene));
     it.list.addObjects(request.repeated && !(request.planes & kPlaneTriangle));
     it.addLights();

@@ -52,34 +52,34 @@ void Tiles::makeStrips(Geometry& geometry) {
     strips_.clear();
     const gpu::BinPush push = pushFor(geometry);
     const std::span<const gpu::ScreenVertex> screen = std::as_const(geometry.screen()).span();
-    const auto add = [&](uint32_t place, uint32_t a, uint32_t b, uint32_t c) {
-        addStrips(push, place, boxInBand(push, screen[a], screen[b], screen[c]), strips_);
+    const auto add = [&](uint32_t slot, uint32_t a, uint32_t b, uint32_t c) {
+        addStrips(push, slot, boxInBand(push, screen[a], screen[b], screen[c]), strips_);
     };
-    const auto addPlaced = [&](const PlacedTriangle& p) {
+    const auto addSlotted = [&](const SlottedTriangle& p) {
         const glm::uvec4& corners = geometry.chunk().triangles[p.triangle];
-        add(p.place, corners.x, corners.y, corners.z);
+        add(p.slot, corners.x, corners.y, corners.z);
     };
-    std::for_each(geometry.places().large.begin(), geometry.places().large.end(), addPlaced);
-    if (binned_ && geometry.places().medium.size() < kFewMedium)
-        std::for_each(geometry.places().medium.begin(), geometry.places().medium.end(), addPlaced);
-    for (const gpu::ClipJob& job : geometry.places().jobs)
-        for (uint32_t place = job.place; place < job.place + gpu::kClipFan; ++place) {
-            const uint32_t* v = std::as_const(geometry.draws()).span()[place].vertex;
-            if (v[0] != v[1]) add(place, v[0], v[1], v[2]);
+    std::for_each(geometry.slots().large.begin(), geometry.slots().large.end(), addSlotted);
+    if (binned_ && geometry.slots().medium.size() < kFewMedium)
+        std::for_each(geometry.slots().medium.begin(), geometry.slots().medium.end(), addSlotted);
+    for (const gpu::ClipJob& job : geometry.slots().jobs)
+        for (uint32_t slot = job.slot; slot < job.slot + gpu::kClipFan; ++slot) {
+            const uint32_t* v = std::as_const(geometry.draws()).span()[slot].vertex;
+            if (v[0] != v[1]) add(slot, v[0], v[1], v[2]);
         }
 }
 
 void Tiles::bin(Geometry& geometry) {
-    const DrawPlaces& places = geometry.places();
+    const DrawSlots& slots = geometry.slots();
     makeStrips(geometry);
     // Run the recorded commands first: the calls below may reallocate their buffers, or throw TooLarge and start over with a smaller chunk.
     if (!binned_ || strips_.size() > kFewStrips) recorder_.run(watchdogMs_);
-    if (!binned_) makeRoom(places.drawCount);
-    const bool mediumWalk = binned_ && places.medium.size() >= kFewMedium;
-    const uint32_t walked = mediumWalk ? uint32_t(places.medium.size()) : binned_ ? 0u : places.drawCount;
+    if (!binned_) makeRoom(slots.drawCount);
+    const bool mediumWalk = binned_ && slots.medium.size() >= kFewMedium;
+    const uint32_t walked = mediumWalk ? uint32_t(slots.medium.size()) : binned_ ? 0u : slots.drawCount;
     budget_.check("strips of large triangles", strips_.size(), sizeof(glm::uvec4));
-    put<PlacedTriangle>(device_, medium_, mediumWalk ? std::span<const PlacedTriangle>(places.medium) : std::span<const PlacedTriangle>(),
-                        "medium triangles");
+    put<SlottedTriangle>(device_, medium_, mediumWalk ? std::span<const SlottedTriangle>(slots.medium) : std::span<const SlottedTriangle>(),
+                         "medium triangles");
     put<glm::uvec4>(device_, stripBuffer_, strips_, "strips");
     walkOverflow_.reserve(device_, std::max(1u, walked), "overflow bits of triangles");
     stripOverflow_.reserve(device_, std::max<uint64_t>(1, strips_.size()), "overflow bits of strips");
@@ -122,10 +122,10 @@ void Tiles::listOverflowed(Geometry& geometry, uint64_t end, uint32_t walked, bo
         if (record.z > room_) overflowed.move(tileOf(record), record.y);
     const std::span<const gpu::DrawTriangle> draws = std::as_const(geometry.draws()).span();
     const std::span<const gpu::ScreenVertex> screen = std::as_const(geometry.screen()).span();
-    if (binned) overflowed.addSetUp(std::as_const(setupOverflow_).span().first(geometry.places().drawCount), draws, screen);
+    if (binned) overflowed.addSetUp(std::as_const(setupOverflow_).span().first(geometry.slots().drawCount), draws, screen);
     const bool listed = binned && walked != 0;
     overflowed.addWalked(std::as_const(walkOverflow_).span().first(walked),
-                         listed ? std::span<const PlacedTriangle>(geometry.places().medium) : std::span<const PlacedTriangle>(), draws,
+                         listed ? std::span<const SlottedTriangle>(geometry.slots().medium) : std::span<const SlottedTriangle>(), draws,
                          screen);
     overflowed.addStrips(std::as_const(stripOverflow_).span().first(strips_.size()), strips_);
     for (const glm::uvec4& record : tileRecords_)

@@ -59,7 +59,7 @@ private:
     std::vector<glm::uvec4> strips_;
     std::vector<glm::uvec4> tileRecords_;
     Buffer<uint32_t> tiles_, entries_, setupOverflow_, walkOverflow_, stripOverflow_;
-    Buffer<PlacedTriangle> medium_;
+    Buffer<SlottedTriangle> medium_;
     Buffer<glm::uvec4> stripBuffer_;
 };
 

@@ -20,11 +20,11 @@ void TwinPasses::transform() {
     const size_t vertices = list_.positions.size();
     g_.screen.resize(vertices);
     g_.attributes.resize(vertices);
-    if (list_.numbers != Numbers::fp32) g_.clipSpace.resize(vertices);
+    if (list_.precision != Precision::fp32) g_.clipSpace.resize(vertices);
     for (const DrawList::Range& r : list_.ranges) {
         const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, list_.viewport};
         transformCpu(push, normalsOfTransform(choices_, normals_), list_.positions, list_.normals, list_.objects, g_.screen, g_.attributes,
-                     threads_, {list_.numbers, list_.longs, g_.clipSpace});
+                     threads_, {list_.precision, list_.longs, g_.clipSpace});
     }
 }
 
@@ -55,13 +55,13 @@ void TwinPasses::cull() {
 
 void TwinPasses::setUp() {
     const uint32_t vertices = uint32_t(list_.positions.size());
-    g_.places = placeDraws(g_.records, list_, vertices);
-    g_.draws.resize(g_.places.drawCount);
-    g_.screen.resize(vertices + g_.places.clippedVertices);
-    g_.attributes.resize(vertices + g_.places.clippedVertices);
-    g_.clipKinds.resize(g_.places.jobs.size());
-    setupCpu(g_.records, g_.places, list_.triangles, g_.screen, g_.draws, threads_);
-    clipCpu({0, uint32_t(g_.places.jobs.size()), list_.cullBackFaces, list_.frame, list_.viewport}, g_.places.jobs, list_.triangles,
+    g_.slots = assignSlots(g_.records, list_, vertices);
+    g_.draws.resize(g_.slots.drawCount);
+    g_.screen.resize(vertices + g_.slots.clippedVertices);
+    g_.attributes.resize(vertices + g_.slots.clippedVertices);
+    g_.clipKinds.resize(g_.slots.jobs.size());
+    setupCpu(g_.records, g_.slots, list_.triangles, g_.screen, g_.draws, threads_);
+    clipCpu({0, uint32_t(g_.slots.jobs.size()), list_.cullBackFaces, list_.frame, list_.viewport}, g_.slots.jobs, list_.triangles,
             list_.positions, list_.objects, g_.screen, g_.attributes, g_.draws, g_.clipKinds, threads_, g_.clipSpace);
 }
 

@@ -17,7 +17,7 @@ struct TwinGeometry {
     std::vector<glm::vec4> attributes;      // normals or vertex colours, then clipped corners
     std::vector<glm::vec4> faceColours;     // one colour a face; flat shading only
     std::vector<gpu::CullRecord> records;
-    DrawPlaces places;
+    DrawSlots slots;
     std::vector<gpu::DrawTriangle> draws;
     std::vector<uint32_t> clipKinds;
     std::vector<glm::vec4> clipSpace;  // clip-space vertices, unless they are transformed in float32

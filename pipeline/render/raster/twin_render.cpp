@@ -22,11 +22,11 @@ namespace {
 constexpr uint64_t kTwinBandSamples = uint64_t(1) << 25;
 
 void countGeometry(const TwinGeometry& g, RenderCounters& c) {
-    c.culledBackFace = g.places.backFacing;
-    c.culledZeroArea = g.places.zeroArea;
-    c.culledOutside = g.places.outside;
-    c.clipped = g.places.jobs.size();
-    c.drawnTriangles = g.places.drawn;
+    c.culledBackFace = g.slots.backFacing;
+    c.culledZeroArea = g.slots.zeroArea;
+    c.culledOutside = g.slots.outside;
+    c.clipped = g.slots.jobs.size();
+    c.drawnTriangles = g.slots.drawn;
     for (uint32_t kind : g.clipKinds) c.drawnTriangles += kind >> 1;
 }
 

@@ -62,7 +62,7 @@ private:
     static glm::vec3 rounded(const glm::dvec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
     template <class Part>
     std::string nameOf(const Part& part, const char* kind) const {
-        return placeOfPart(part.place, scene_.path, kind, part.name);
+        return locationOfPart(part.location, scene_.path, kind, part.name);
     }
 
     // Power |c - eye|^2 - r^2 of the eye, to 2^-99 of r^2: every difference and product with its rounding error.

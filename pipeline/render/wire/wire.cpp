@@ -200,7 +200,7 @@ void addEdges(const Scene& scene, const RenderRequest& request, const Pinhole& v
 
 Prepared prepareWire(const Scene& scene, const RenderRequest& request, RunsOn side) {
     Preparing it(scene, request, gpu::kShadingUnlit);
-    if (request.fill == Fill::exact) it.p.list.numbers = request.trade.numbers;
+    if (request.fill == Fill::exact) it.p.list.precision = request.trade.precision;
     it.dropRays(raysAskedBy(scene));
     it.list.addObjects();
     addEdges(scene, request, it.view, it.p.list);
