@@ -28,7 +28,7 @@ public:
         if (!passAgain(kind)) passFirst(kind, detailOf(), placeOf());
     }
 
-    void addTo(std::vector<std::string>& warnings) const;  // one warning a kind, in the order of the first locations
+    void addTo(std::vector<std::string>& warnings) const;  // one warning a kind, in the order in which they were met
 
 private:
     bool passAgain(std::string_view kind);

@@ -85,6 +85,7 @@ TEST(Options, AreAccepted) {
     for (const char* line :
          {"render a.obj -o -",
           "render a.obj -o - --json=x.json",
+          "render a.glb --camera 2 --fov 30 -o x.png",
           "render a.obj --json -o x.png",
           "render a.obj --view front --view -30,20 -o x.png",
           "render a.obj --turntable 12 -o s_{n}.png --view iso",
@@ -117,6 +118,8 @@ TEST(Options, AreRefusedWithAReason) {
         {"", "a command is missing"},
         {"rendr a.obj", "did you mean 'render'?"},
         {"a.obj", "is not a command"},
+        {"render a.glb --camera wide --view iso -o x.png", "--camera and --view, --eye or --at exclude each other"},
+        {"render a.glb --camera wide --eye 0,0,9 -o x.png", "--camera and --view, --eye or --at exclude each other"},
         {"measure a.toml -o a.png", "accepted: a path that ends in .html"},
         {"diff a", "needs two pictures, and 1 are given"},
         {"diff a b c", "needs two pictures"},
