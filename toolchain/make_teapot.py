@@ -55,8 +55,16 @@ def slopes(t):
     return (-3 * s * s, 3 * s * s - 6 * s * t, 6 * s * t - 3 * t * t, 3 * t * t)
 
 
+def added(terms):
+    """The terms added from the first to the last, each sum rounded. The sum() of Python 3.12 and later rounds once, so its last bits differ."""
+    total = 0.0
+    for term in terms:
+        total += term
+    return total
+
+
 def combined(grid, rows, columns):
-    return tuple(sum(rows[i] * columns[j] * grid[4 * i + j][k] for i in range(4) for j in range(4)) for k in range(3))
+    return tuple(added(rows[i] * columns[j] * grid[4 * i + j][k] for i in range(4) for j in range(4)) for k in range(3))
 
 
 def cross(a, b):
@@ -68,7 +76,7 @@ def normal_at(grid, u, v):
     for nudge in (0.0, 1e-4, 1e-3):
         s, t = abs(u - nudge), abs(v - nudge)
         n = cross(combined(grid, bernstein(s), slopes(t)), combined(grid, slopes(s), bernstein(t)))
-        length = math.sqrt(sum(x * x for x in n))
+        length = math.sqrt(added(x * x for x in n))
         if length > 1e-6:
             return tuple(x / length for x in n)
     raise ValueError(f"no normal at ({u}, {v})")

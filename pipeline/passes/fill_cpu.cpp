@@ -191,11 +191,11 @@ private:
     void addLights(const gpu::DrawTriangle& d, const gpu::MaterialRecord& m, const Attributes& v, const gpu::Surface& s,
                    gpu::Colour& c) const {
         for (const gpu::LightRecord& light : list_.lights) {
-            const glm::vec4 lamp(light.position, light.kind), intensity(light.intensity, light.attenuation);
+            const glm::vec4 position(light.position, light.kind), intensity(light.intensity, light.attenuation);
             if (choices_.vectors == gpu::kVectorsPixel || light.kind == 0) {
-                gpu::addLight(lamp, intensity, s, reflectanceOf(m), choices_.parts, c);
+                gpu::addLight(position, intensity, s, reflectanceOf(m), choices_.parts, c);
             } else {
-                const auto lamp = [&](const gpu::Position& p) { return gpu::lampFrom(lamp, light.attenuation, p); };
+                const auto lamp = [&](const gpu::Position& p) { return gpu::lampFrom(position, light.attenuation, p); };
                 gpu::addLightFrom(directionOf(d, v.shares, lamp), intensity, s, reflectanceOf(m), choices_.parts, c);
             }
         }

@@ -199,10 +199,10 @@ TEST(Extremes, Row03Denormals) {
     fmt::print("row 3: {} denormals flushed and counted; the pictures are the flushed scene's\n", counted);
 }
 
-// Row 4. Every coordinate of four formats. (Fields of scene files and glTF: tests/unit/scene_refusals_test.cpp, gltf_test.cpp.)
+// Row 4. Every coordinate of four formats. A normal that is not finite counts as not stated, with a warning; --strict refuses it. (Fields of scene files and glTF: tests/unit/scene_refusals_test.cpp, gltf_test.cpp.)
 TEST(Extremes, Row04NotFinite) {
     const test::TemporaryFolder folder;
-    int refused = 0, asked = 0;
+    int refused = 0, asked = 0, warned = 0, normals = 0;
     for (const char* value : {"nan", "-nan", "inf", "-inf", "1e999"})
         for (int field = 0; field < 6; ++field) {
             std::string f[6] = {"0", "1", "2", "0", "0", "1"};
@@ -221,14 +221,24 @@ TEST(Extremes, Row04NotFinite) {
                                               "\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n"});
             }
             for (const auto& [name, text] : files) {
-                const std::string refusal = refusalOf([&, name = name, text = text] { loadScene({folder.write(name, text)}, {}); });
+                const std::string path = folder.write(name, text);
+                const bool ofNormal = field >= 3;
+                const std::string refusal = refusalOf([&] { loadScene({path}, {.strict = ofNormal}); });
+                if (ofNormal) {
+                    ++normals;
+                    const std::vector<std::string> warnings = loadScene({path}, {}).warnings;
+                    ASSERT_EQ(warnings.size(), 1u) << name << " took " << value << " in field " << field << " without a word";
+                    EXPECT_NE(warnings[0].find("normal"), std::string::npos) << warnings[0];
+                    ++warned;
+                }
                 ++asked;
                 EXPECT_NE(refusal.find(name), std::string::npos) << name << " took " << value << " in field " << field << ": " << refusal;
                 refused += !refusal.empty();
             }
         }
     EXPECT_EQ(refused, asked);
-    fmt::print("row 4: {}/{} files with a number that is not finite refused by name\n", refused, asked);
+    fmt::print("row 4: {}/{} files with a number that is not finite refused by name; {}/{} warned of where it is of a normal\n", refused,
+               asked, warned, normals);
 }
 
 // Row 5.
