@@ -34,7 +34,7 @@ struct DrawSlots {
     uint64_t drawn = 0, backFacing = 0, zeroArea = 0, outside = 0;
     bool wide = false;
 };
-DrawSlots assignSlots(std::span<const gpu::CullRecord> records, const DrawList& list, uint32_t firstClippedVertex);
+DrawSlots drawSlotsOf(std::span<const gpu::CullRecord> records, const DrawList& list, uint32_t firstClippedVertex);
 
 void setupCpu(std::span<const gpu::CullRecord> records, const DrawSlots& slots, std::span<const glm::uvec4> triangles,
               std::span<const gpu::ScreenVertex> screen, std::span<gpu::DrawTriangle> draws, uint32_t threads);

@@ -69,7 +69,7 @@ void cullCpu(const gpu::CullPush& push, std::span<const glm::uvec4> triangles, s
     });
 }
 
-DrawSlots assignSlots(std::span<const gpu::CullRecord> records, const DrawList& list, uint32_t firstClippedVertex) {
+DrawSlots drawSlotsOf(std::span<const gpu::CullRecord> records, const DrawList& list, uint32_t firstClippedVertex) {
     DrawSlots d;
     d.first.resize(records.size());
     uint64_t next = 0;

@@ -250,10 +250,10 @@ void ListBuilder::addCentres(const TriangleMesh& mesh, const glm::dmat4& worldFr
     if (request_.trade.vectors != Trade::Vectors::face) return;
     const glm::dmat4 viewed = view_.viewedFromMesh(worldFromMesh);
     for (const glm::vec3& centre : mesh.faceCentre) {
-        glm::vec4 centre(viewed * glm::dvec4(centre, 1));
+        glm::vec4 seen(viewed * glm::dvec4(centre, 1));
         for (int i = 0; i < 3; ++i)
-            if (std::abs(centre[i]) < std::numeric_limits<float>::min()) centre[i] = 0;
-        list_.faceCentres.push_back(centre);
+            if (std::abs(seen[i]) < std::numeric_limits<float>::min()) seen[i] = 0;
+        list_.faceCentres.push_back(seen);
     }
 }
 

@@ -83,7 +83,7 @@ void Geometry::transformAndCull(bool normals) {
 
 void Geometry::assignSlots() {
     const uint64_t lanes = (chunk_->triangles.size() + gpu::kTrianglesPerLane - 1) / gpu::kTrianglesPerLane;
-    slots_ = assignSlots(records_.span().first(lanes), *chunk_, uint32_t(chunk_->positions.size()));
+    slots_ = drawSlotsOf(records_.span().first(lanes), *chunk_, uint32_t(chunk_->positions.size()));
     const uint64_t corners = chunk_->positions.size() + slots_.clippedVertices;
     budget_.check("drawn triangles", slots_.drawCount, sizeof(gpu::DrawTriangle));
     budget_.check("vertices", corners, sizeof(glm::vec4));

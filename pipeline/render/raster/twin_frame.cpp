@@ -55,7 +55,7 @@ void TwinPasses::cull() {
 
 void TwinPasses::setUp() {
     const uint32_t vertices = uint32_t(list_.positions.size());
-    g_.slots = assignSlots(g_.records, list_, vertices);
+    g_.slots = drawSlotsOf(g_.records, list_, vertices);
     g_.draws.resize(g_.slots.drawCount);
     g_.screen.resize(vertices + g_.slots.clippedVertices);
     g_.attributes.resize(vertices + g_.slots.clippedVertices);
