@@ -87,7 +87,11 @@ Json rowJson(const Row& row, const Measurement& m) {
                 {"mean", stated(run.bound->mean / 255)},
                 {"rms", stated(run.bound->rms / 255)},
                 {"p99", stated(run.bound->p99 / 255)},
-                {"choice", {{"brighter", stated(run.bound->brighter)}, {"darker", stated(run.bound->darker)}, {"steps", run.bound->steps}}},
+                {"choice",
+                 {{"brighter", stated(run.bound->brighter)},
+                  {"darker", stated(run.bound->darker)},
+                  {"linear", stated(std::max(run.bound->brighter, run.bound->darker))},
+                  {"steps", run.bound->steps}}},
                 {"kind",
                  "pixel by pixel, how far the truth is from the furthest code that the choice may make of the default picture's colour"}};
     }
