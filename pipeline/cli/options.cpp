@@ -245,7 +245,7 @@ const std::vector<std::string> kFile = {"FILE"};
 const std::vector<std::string> kDeviceWords = {"auto", "twin", "lavapipe", "gpu", "software"};
 
 const std::vector<Flag> kFlags = {
-    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}', '{aov}', '{eye}', '{field}' and '{ink}' are filled in; diff writes the difference as PNG, measure and devices --fingerprint a report as one HTML file", "",
+    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}', '{aov}', '{eye}', '{field}' and '{ink}' are filled in; diff writes the difference as PNG, measure and devices a report as one HTML file", "",
      "a path that ends in .png, .exr or .npy (measure, devices: .html), or -", kFile, kRender | kVerify | kDiff | kMeasure | kDevices, [](Options& o, const std::string& v) {
          if (v.empty()) throw Refused{};
          o.output = v;
@@ -408,9 +408,9 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) { o.pairs = number<uint32_t>(v, 3, 100000); }},
     {"--fingerprint", "", "ask the picked device what it does with numbers: errors of each operation, contraction, subnormals, NaN, loops, and one hash", "", "", kNoWords, kDevices,
      [](Options& o, const std::string&) { o.fingerprint = true; }},
-    {"--all-floats", "", "with --fingerprint: every float32 of sqrt, inversesqrt, exp2, log2, sin and cos, too (minutes)", "", "", kNoWords, kDevices,
+    {"--all-floats", "", "for the fingerprint: every float32 of sqrt, inversesqrt, exp2, log2, sin and cos, too (minutes)", "", "", kNoWords, kDevices,
      [](Options& o, const std::string&) { o.allFloats = true; }},
-    {"--compare", "", "name each trait that differs between two files of --fingerprint --json; exit 1 when one does", "", "", kNoWords, kDevices,
+    {"--compare", "", "name each trait that differs between two JSON files of fingerprints; exit 1 when one does", "", "", kNoWords, kDevices,
      [](Options& o, const std::string&) { o.compare = true; }},
     {"--man", "", "print the man page", "", "", kNoWords, kHelp, [](Options& o, const std::string&) { o.man = true; }},
     {"--completion", "SHELL", "print the completion script of a shell", "", "bash, zsh, fish", {"bash", "zsh", "fish"}, kHelp,

@@ -91,7 +91,7 @@ TEST_F(Planted, EqualRunsAreEqual) {
 
 // The references that serve many exponents at once are those of the functions themselves.
 TEST_F(Planted, EveryFloatIsJudgedAsEachIs) {
-    const std::vector<uint32_t> fields = {0, 60, 120, 126, 127, 128, 133, 200, 255};
+    const std::vector<uint32_t> fields = {0, 133, 255};
     const std::vector<fp::Sweep> sweeps = fp::sweep(device(), 2, {}, fields);
     ASSERT_EQ(sweeps.size(), 6u);
     for (const fp::Sweep& sweep : sweeps) {
