@@ -43,7 +43,7 @@ struct TradeChoice {
     const char* help;
     const char* bound;
     Verdict verdict;
-    static constexpr const char* alias = "";
+    const char* alias = "";  // none: every word of an axis is its own
 };
 
 template <auto member, auto value>

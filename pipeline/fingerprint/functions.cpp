@@ -84,8 +84,8 @@ struct Tables {
 };
 
 const Tables& tables() {
-    static const Tables made;
-    return made;
+    static const Tables kTables;
+    return kTables;
 }
 
 // whole + fraction / 2^128.
@@ -194,8 +194,9 @@ Angle reduced(const Exact& x) {
     for (int i = 0; i < 4; ++i) {
         uint64_t bits = 0;  // bits first + 64 (3 - i) and the 63 after it
         for (int k = 0; k < 64; k += 32) {
-            const size_t at = size_t(first + 64 * (3 - i) + k);
-            const uint64_t two = uint64_t(kTwoOverPi[at / 32]) << 32 | (at / 32 + 1 < kTwoOverPi.size() ? kTwoOverPi[at / 32 + 1] : 0);
+            const int at = first + 64 * (3 - i) + k;
+            const uint64_t two = uint64_t(kTwoOverPi[size_t(at / 32)]) << 32 |
+                                 (size_t(at / 32) + 1 < kTwoOverPi.size() ? kTwoOverPi[size_t(at / 32) + 1] : 0);
             bits = bits << 32 | uint32_t(two >> (32 - at % 32));
         }
         carry += Wide(bits) * m;

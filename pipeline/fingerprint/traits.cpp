@@ -47,7 +47,7 @@ uint32_t Draw::real(int least, int most) {
 }
 
 const std::vector<Trait>& traits() {
-    static const std::vector<Trait> made = [] {
+    static const std::vector<Trait> kTraits = [] {
         std::vector<Trait> list;
         addArithmetic(list);
         addConversions(list);
@@ -56,7 +56,7 @@ const std::vector<Trait>& traits() {
         addExecution(list);
         return list;
     }();
-    return made;
+    return kTraits;
 }
 
 Questions questionsOf(const Trait& trait, uint32_t samples) {
