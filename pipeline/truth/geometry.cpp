@@ -84,6 +84,7 @@ Corner Geometry::corner(uint32_t object, uint32_t vertex) const {
         corner.fromEye[j] = sum;
         magnitude[j] = size;
     }
+    corner.fromEyeError = 5 * kUnit * glm::length(magnitude) * kSecondOrder;
     // Error along a camera axis: three products, two additions and the scale are 4 u more of |axis| . magnitude, which is no less than
     // |axis| . |fromEye|.
     const auto along = [&](const glm::dvec3& axis, double scale) {

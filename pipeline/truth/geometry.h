@@ -38,8 +38,9 @@ struct Bounded {
 };
 
 struct Corner {
-    Bounded x, y, w;        // camera axes, x and y times the focal length
-    glm::dvec3 fromEye{0};  // world axes, relative to the eye
+    Bounded x, y, w;          // camera axes, x and y times the focal length
+    glm::dvec3 fromEye{0};    // world axes, relative to the eye
+    double fromEyeError = 0;  // no vector is further from the true one
 };
 
 struct Triangle {

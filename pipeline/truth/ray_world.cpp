@@ -154,7 +154,8 @@ uint32_t RayWorld::materialOfFacet(uint32_t i) const {
     return mesh.faceMaterial[mesh.triangles[owner.triangle].face];
 }
 
-double RayWorld::brightness(const glm::dvec3& sky) const {
+RayWorld::Brightness RayWorld::brightness(const glm::dvec3& sky) const {
+    Brightness out;
     const glm::dvec3 eye = scene_.camera->eye;
     double size = reach_;
     for (const SphereShape& s : scene_.spheres) size = std::max(size, glm::length(s.centre - eye) + s.radius);
@@ -174,7 +175,10 @@ double RayWorld::brightness(const glm::dvec3& sky) const {
                 const double box = glm::length(glm::max(glm::dvec3(0), glm::max(low - at, at - high)));
                 nearest = std::min(nearest, std::max(box, std::abs(along(f.normal, Vec3<double>(at) - f.corner[0]))));
             }
-            nearest = std::max(nearest, std::ldexp(size, -10));
+            // What the distances themselves are off by is far below the rest.
+            const double least = std::ldexp(size, -10);
+            out.holds = out.holds && nearest > least;
+            nearest = std::max(nearest, least);
             fade = l.attenuation == Attenuation::inverse ? 1 / nearest : 1 / (nearest * nearest);
         }
         light += fade * glm::dvec3(l.intensity);
@@ -184,7 +188,8 @@ double RayWorld::brightness(const glm::dvec3& sky) const {
         for (int c = 0; c < 3; ++c)
             most = std::max(most, double(m.ambient[c]) * double(scene_.ambient[c]) + double(m.emission[c]) +
                                       light[c] * (double(m.diffuse[c]) + double(m.specular[c])));
-    return most;
+    out.most = most;
+    return out;
 }
 
 }  // namespace plumb::truth

@@ -46,8 +46,12 @@ public:
     bool lightIsAlong(uint32_t light, uint32_t plane) const { return lightOnPlane_[light][plane]; }
     // Upper bound of a ray's brightness, for the colour that depends on a decision: the sky, or any material in all the light that there
     // is. A light that fades with distance counts as from its distance to the nearest surface, or from 2^-10 of the scene where it touches
-    // one.
-    double brightness(const glm::dvec3& sky) const;
+    // one; `holds` then is false.
+    struct Brightness {
+        double most = 0;
+        bool holds = true;
+    };
+    Brightness brightness(const glm::dvec3& sky) const;
 
     // Calls visit(facet) for every facet whose box, widened by `pad`, the ray may meet before longest().
     template <class Longest, class Visit>

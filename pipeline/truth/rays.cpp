@@ -2,6 +2,7 @@
 #include "pipeline/truth/rays.h"
 
 #include "pipeline/truth/highlight_error.h"
+#include "pipeline/truth/shading_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,8 @@ constexpr double kNothing = 0x1p-30;
 // A direction that is known no better, or no better for what its ray weighs, has its tree followed again.
 constexpr double kVagueDirection = 0x1p-10;
 constexpr double kVagueColour = 0x1p-20;
+// Error of R.V from vectors that are rounded to binary64, and from its own operations.
+constexpr double kMirrorRounding = 24 * kDoubleUnit;
 constexpr double kCoarserCut = 16;
 
 enum class Kind { none, sphere, plane, facet };
@@ -93,6 +96,19 @@ public:
     uint32_t rays() const { return rays_; }
     uint64_t undecided() const { return undecided_; }
     const RaySeen& seen() const { return seen_; }
+    // What was seen, with the truth's own error. `boundedBy`: no ray is brighter; +infinity where nothing is known of that.
+    RaySeen judged(double boundedBy) const {
+        RaySeen out = seen_;
+        // Rays that were not followed, and decisions that little hangs on: a way to say that either answer may be the right one.
+        const double left = out.leftOut + (open_ > 0 ? open_ / brightest_ : 0);
+        out.bound = bound_ + (left > 0 ? left * boundedBy : 0.0);
+        // Each product and sum of weights, shares and colours once, all of them positive.
+        out.bound += out.colour * (double(roundings_) * kDoubleUnit) + kUnderflow;
+        out.bound *= kOwnRounding;
+        out.distanceError = distanceError_;
+        out.decided = !doubtful_;
+        return out;
+    }
 
 private:
     struct Ray {
@@ -128,7 +144,10 @@ private:
             doubtful_ = !(open_ <= kDrawnNothing);
             return;
         }
-        if (!(stake > kNothing)) return;
+        if (!(stake > kNothing)) {
+            open_ += stake;
+            return;
+        }
         doubtful_ = true;
         undecided_ += kLast;
     }
@@ -495,7 +514,7 @@ private:
                 open = true;
                 if (!kLast) return;
             }
-            if (h.counts && before) share *= factor;
+            if (h.counts && before) share *= factor, ++roundings_;
         };
         for (uint32_t i = 0; i < scene_.spheres.size() && share > 0; ++i) {
             const double factor = double(world_.shares(scene_.spheres[i].material).transmit);
@@ -563,13 +582,29 @@ private:
             if (double(cosine) < -cosineOpen || double(above) < -aboveOpen) continue;
             const glm::dvec3 toward = rounded(l);
             const double nl = std::max(0.0, double(cosine)), reflected = glm::dot(2 * nl * n - toward, v);
-            const double shine = m.shininess == 0 ? 1 : reflected > 0 ? std::pow(reflected, double(m.shininess)) : 0;
-            const glm::dvec3 added = fade * glm::dvec3(light.intensity) * (glm::dvec3(m.diffuse) * nl + glm::dvec3(m.specular) * shine);
+            Highlight shine;
+            if constexpr (kDrawn)
+                shine.value = m.shininess == 0 ? 1 : reflected > 0 ? std::pow(reflected, double(m.shininess)) : 0;
+            else
+                shine = highlightOf(reflected, 2 * (cosineOpen + s.normalError) + error + r.directionError + kMirrorRounding,
+                                    double(m.shininess));
+            const glm::dvec3 added =
+                fade * glm::dvec3(light.intensity) * (glm::dvec3(m.diffuse) * nl + glm::dvec3(m.specular) * shine.value);
             const double stake = weight * largest(added);
             if (double(cosine) <= cosineOpen || double(above) <= aboveOpen) doubt(stake);
             if constexpr (kDrawn) {
                 most += added;
                 boundLight(r, s, m, light, fade, error, added, weight);
+            } else {
+                const int power = light.directional ? 0 : int(light.attenuation);
+                const LightPart part{double(cosine), cosineOpen + 2 * kDoubleUnit, shine, fade,
+                                     power == 0    ? 0
+                                     : error < 0.5 ? power * (error + 8 * kDoubleUnit)
+                                                   : kInfinity};
+                BoundedColour own;
+                addPart(part, m.diffuse, m.specular, light.intensity, own);
+                bound_ += weight * own.error;
+                roundings_ += 8;
             }
             if (!(cosine > 0 && above > 0)) continue;
             if (!(largest(added) > 0)) continue;
@@ -608,6 +643,7 @@ private:
 
     void follow(const Ray& r) {
         ++rays_;
+        roundings_ += r.depth + 8;
         const Hit h = nearest(r);
         if (stops()) return;
         if (h.kind == Kind::none) {
@@ -728,7 +764,8 @@ private:
     uint32_t rays_ = 0;
     bool doubtful_ = false;
     uint64_t undecided_ = 0;
-    // As drawn: error of the colour, and what hangs on decisions that are open.
+    uint64_t roundings_ = 0;  // of weights, shares and colours
+    // Error of the colour, and what hangs on decisions that are open and are not made again.
     glm::dvec3 bound_{0};
     double open_ = 0, distanceError_ = 0;
     bool primaryOpen_ = false;
@@ -741,7 +778,8 @@ RayTruth::RayTruth(const RayWorld& world, const Pinhole& pinhole, const glm::dve
       pinhole_(pinhole),
       sky_(sky),
       limits_(limits),
-      brightest_(world.brightness(sky)),
+      brightest_(world.brightness(sky).most),
+      boundedBy_(world.brightness(sky).holds ? brightest_ : kInfinity),
       farthest_(std::ldexp(pinhole.near, 60)) {}
 
 RaySeen RayTruth::look(double x, double y) {
@@ -749,17 +787,17 @@ RaySeen RayTruth::look(double x, double y) {
         Tracer<Computed<double>> fast(world_, sky_, limits_, brightest_, farthest_, least);
         fast.look(pinhole_, x, y);
         if (fast.tooMany()) continue;
-        if (!fast.doubtful()) return fast.seen();
+        if (!fast.doubtful()) return fast.judged(boundedBy_);
         ++redone_;
         Tracer<Computed<long double>> middle(world_, sky_, limits_, brightest_, farthest_, least);
         middle.look(pinhole_, x, y);
         if (middle.tooMany()) continue;
-        if (!middle.doubtful()) return middle.seen();
+        if (!middle.doubtful()) return middle.judged(boundedBy_);
         Tracer<Computed<Quad>> slow(world_, sky_, limits_, brightest_, farthest_, least);
         slow.look(pinhole_, x, y);
         if (slow.tooMany()) continue;
         undecided_ += slow.undecided();
-        return slow.seen();
+        return slow.judged(boundedBy_);
     }
 }
 

@@ -27,6 +27,11 @@ struct RaySeen {
     uint32_t object = kNone, primitive = kNone;
     double distance = INFINITY;  // distance from the eye, scene units
     double leftOut = 0;          // sum of the weights of the rays that were not followed
+    // The truth's own error: no channel of the colour is further from what exact arithmetic, any depth and any weight would make of it.
+    // +infinity where nothing bounds what was left out.
+    glm::dvec3 bound{0};
+    double distanceError = 0;  // scene units
+    bool decided = true;       // false: binary128 leaves a decision open, and the bound says nothing
 };
 
 // Ray of a scene as it is drawn (drawn.h), with what the passes' arithmetic may make of it (docs/derivations.md, A traced picture).
@@ -53,7 +58,7 @@ private:
     const Pinhole& pinhole_;
     const glm::dvec3 sky_;
     const RayLimits limits_;
-    const double brightest_, farthest_;
+    const double brightest_, boundedBy_, farthest_;
     uint64_t redone_ = 0, undecided_ = 0;
 };
 

@@ -79,8 +79,17 @@ SphereTruth::Seen SphereTruth::look(double x, double y) {
     if (best.sphere == kNone) return {};
     const SphereShape& s = scene_.spheres[best.sphere];
     const glm::dvec3 toCentre = s.centre - scene_.camera->eye, outward(x - toCentre.x, -y - toCentre.y, -std::sqrt(best.rest));
-    const double length = std::hypot(outward.x, outward.y, outward.z);
-    return {best.sphere, best.depth, illumination_.colourOf(s.material, toCentre + outward, outward / length, {0, 0, -1})};
+    // Error of the outward vector: u of either difference on both axes, that of the root, which is what the depth is off by at most; of its
+    // direction, and of the position, whose sums take u each.
+    const glm::dvec3 eye = scene_.camera->eye;
+    const double sizes = std::abs(x) + std::abs(y) + 2 * (std::abs(s.centre.x) + std::abs(eye.x) + std::abs(s.centre.y) + std::abs(eye.y));
+    const double outwardError = (2 * kUnit * sizes + best.depthError) * kSecondOrder, length = std::hypot(outward.x, outward.y, outward.z);
+    const double sum = std::abs(toCentre.x) + std::abs(toCentre.y) + std::abs(toCentre.z) + length;
+    const double positionError = (outwardError + 2 * kUnit * (sum + std::abs(s.centre.z) + std::abs(eye.z))) * kSecondOrder;
+    const Direction normal{length > 0 ? outward / length : glm::dvec3(0), turnedBy(outwardError, length) + kUnitVectorError};
+    return {best.sphere,
+            {best.depth, best.depthError},
+            illumination_.colourOf(s.material, toCentre + outward, positionError, normal, {{0, 0, -1}, 0})};
 }
 
 }  // namespace plumb::truth

@@ -24,8 +24,8 @@ public:
 
     struct Seen {
         uint32_t sphere = kNone;
-        double depth = 0;      // depth along +Z from the eye, scene units
-        glm::dvec3 colour{0};  // linear RGB, not clamped
+        Bounded depth;         // depth along +Z from the eye, scene units
+        BoundedColour colour;  // linear RGB, not clamped
     };
     // Sample at (x, y) of the screen from its middle, in pixels, y downward: multiples of 2^-10 of magnitude below 2^20.
     Seen look(double x, double y);

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <exception>
 #include <glm/glm.hpp>
+#include <limits>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -28,7 +29,15 @@ using truth::Judge;
 using truth::Pinhole;
 using truth::Triangle;
 
-constexpr uint32_t kBandRows = 8;  // pixels
+constexpr uint32_t kBandRows = 8;          // pixels
+constexpr double kCurveJoint = 0.0031308;  // of the curve of IEC 61966-2-1
+
+// Mean of `count` samples and its bound: a rounding for each sum, and one for the quotient. The samples' values are not negative.
+void setChannel(Truth& out, size_t at, double sum, double error, double count) {
+    out.linear[at] = sum / count;
+    const double bound = (error + (count + 1) * truth::kDoubleUnit * sum) / count * truth::kOwnRounding;
+    out.bound[at] = bound <= std::numeric_limits<double>::max() ? bound : INFINITY;  // a NaN says no more
+}
 
 // Band of pixel rows: the visible triangle of each sample, then its colour.
 class Band {
@@ -59,7 +68,7 @@ private:
 
     void resolve(uint32_t column, uint32_t row, int first) {
         const size_t at = size_t(row) * request_.width + column;
-        glm::dvec3 sum(0);
+        glm::dvec3 sum(0), error(0);
         uint32_t covered = 0;
         for (uint32_t k = 0; k < side_ * side_; ++k) {
             const int i = int(column * side_ + k % side_), j = int(row * side_ + k / side_);
@@ -69,16 +78,19 @@ private:
                 continue;
             }
             ++covered;
-            const Illumination::Seen seen = illumination_.at(t, x(i), y(j));
-            sum += seen.colour;
+            if (t != patchIndex_) patch_ = illumination_.patchOf(patchIndex_ = t);
+            const Illumination::Seen seen = illumination_.at(patch_, x(i), y(j));
+            sum += seen.colour.value;
+            error += seen.colour.error;
             if (k % side_ != side_ / 2 || k / side_ != side_ / 2) continue;
             const Triangle& triangle = geometry_.triangles()[t];
-            out_.depth[at] = seen.w;
+            out_.depth[at] = seen.w.value;
+            out_.depthBound[at] = seen.w.error;
             out_.object[at] = triangle.object;
             out_.primitive[at] = scene_.meshes[scene_.objects[triangle.object].mesh].triangles[triangle.triangle].face;
         }
         const double count = request_.transparent ? std::max(covered, 1u) : side_ * side_;
-        for (int c = 0; c < 3; ++c) out_.linear[3 * at + size_t(c)] = sum[c] / count;
+        for (int c = 0; c < 3; ++c) setChannel(out_, 3 * at + size_t(c), sum[c], error[c], count);
         out_.alpha[at] = double(covered) / (side_ * side_);
     }
 
@@ -90,13 +102,29 @@ private:
     const uint32_t side_;
     Truth& out_;
     std::vector<uint32_t> seen_;  // visible triangle of each sample: index into geometry_.triangles()
+    uint32_t patchIndex_ = kNone;
+    Illumination::Patch patch_;
 };
 
 }  // namespace
 
 double srgbCode(double linear) {
     const double x = std::clamp(linear, 0.0, 1.0);
-    return 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
+    return 255 * (x <= kCurveJoint ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
+}
+
+double srgbCodeError(double linear, double error) {
+    // The evaluation of the curve: pow is within 4 u, its exponent 1 / 2.4 within 2 u, which |ln 0.0031308| / 2.4 makes 4.8 u, and eight roundings.
+    constexpr double kOwn = 255 * 24 * truth::kDoubleUnit;
+    // The curve is steepest below its joint, where its two parts do not quite meet: by 2.9e-8 of full scale.
+    constexpr double kSteepest = 255 * 12.92, kStep = 255 * 3e-8;
+    constexpr double kSmall = 0x1p-20;  // above it the codes of both ends say more than the slope
+    const double step = std::abs(linear - kCurveJoint) <= error * 2 ? kStep : 0;
+    if (error <= kSmall) return (error * kSteepest + kOwn) * truth::kOwnRounding + step;
+    if (!(error < 1)) return std::max(srgbCode(linear), 255 - srgbCode(linear)) + kOwn;
+    const double code = srgbCode(linear);
+    return std::max(code - srgbCode(linear - error * truth::kOwnRounding), srgbCode(linear + error * truth::kOwnRounding) - code) +
+           2 * kOwn + step;
 }
 
 namespace {
@@ -181,6 +209,9 @@ struct Sample {
     uint32_t object = kNone, primitive = kNone;
     double depth = INFINITY;  // planar, scene units
     double leftOut = 0;       // weights of rays that were not followed
+    glm::dvec3 error{0};      // of the colour
+    double depthError = INFINITY;
+    bool decided = true;
 };
 
 // Most rays of a picture, whatever it shows: glass among glass makes trees without end.
@@ -201,8 +232,15 @@ public:
     // Sample at (x, y) of the screen from its middle, in pixels.
     Sample look(double x, double y) {
         const truth::RaySeen seen = rays_.look(x, y);
-        return {seen.colour, seen.object, seen.primitive,
-                seen.distance * pinhole_.focal / std::sqrt(x * x + y * y + pinhole_.focal * pinhole_.focal), seen.leftOut};
+        const double cosine = pinhole_.focal / std::sqrt(x * x + y * y + pinhole_.focal * pinhole_.focal), depth = seen.distance * cosine;
+        return {seen.colour,
+                seen.object,
+                seen.primitive,
+                depth,
+                seen.leftOut,
+                seen.bound,
+                seen.distanceError * cosine + 8 * truth::kDoubleUnit * depth,
+                seen.decided};
     }
     void addTo(Truth& out) const {
         out.redone += rays_.redone();
@@ -222,7 +260,7 @@ public:
     Sample look(double x, double y) {
         const truth::SphereTruth::Seen seen = spheres_.look(x, y);
         if (seen.sphere == kNone) return {sky_};
-        return {seen.colour, first_ + seen.sphere, 0, seen.depth, 0};
+        return {seen.colour.value, first_ + seen.sphere, 0, seen.depth.value, 0, seen.colour.error, seen.depth.error};
     }
     void addTo(Truth& out) const { out.redone += spheres_.redone(); }
 
@@ -251,22 +289,24 @@ public:
 private:
     void pixel(uint32_t x, uint32_t y) {
         const size_t at = size_t(y) * request_.width + x;
-        glm::dvec3 sum(0);
+        glm::dvec3 sum(0), error(0);
         uint32_t covered = 0;
         double leftOut = 0;
-        bool anchored = false;
+        bool anchored = false, decided = true;
         for (const glm::dvec2& d : positions_.at) {
             const Sample seen = look(x, y, d);
             leftOut += seen.leftOut;
             covered += seen.object != kNone;
-            if (!request_.transparent || seen.object != kNone) sum += seen.colour;
+            decided = decided && seen.decided;
+            if (!request_.transparent || seen.object != kNone) sum += seen.colour, error += seen.error;
             if (d != positions_.anchor) continue;
             anchored = true;
             write(at, seen);
         }
         if (!anchored) write(at, look(x, y, positions_.anchor));
         const double count = request_.transparent ? std::max(covered, 1u) : double(positions_.at.size());
-        for (int c = 0; c < 3; ++c) out_.linear[3 * at + size_t(c)] = sum[c] / count;
+        for (int c = 0; c < 3; ++c) setChannel(out_, 3 * at + size_t(c), sum[c], decided ? error[c] : INFINITY, count);
+        out_.decided[at] = decided;
         out_.alpha[at] = double(covered) / double(positions_.at.size());
         leftOut_ = std::max(leftOut_, leftOut / double(positions_.at.size()));
     }
@@ -276,6 +316,7 @@ private:
     void write(size_t at, const Sample& seen) {
         if (seen.object == kNone) return;
         out_.depth[at] = seen.depth;
+        out_.depthBound[at] = seen.depthError;
         out_.object[at] = seen.object;
         out_.primitive[at] = seen.primitive;
     }
@@ -314,6 +355,9 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
     out.linear.assign(3 * pixels, 0.0);
     out.alpha.assign(pixels, 0.0);
     out.depth.assign(pixels, INFINITY);
+    out.bound.assign(3 * pixels, 0.0);
+    out.decided.assign(pixels, 1);
+    out.depthBound.assign(pixels, INFINITY);
     out.object.assign(pixels, kNone);
     out.primitive.assign(pixels, kNone);
     out.traced = request.shading == Shading::ray;

@@ -19,8 +19,13 @@ struct Truth {
     // ones), not clamped.
     std::vector<double> linear;  // 3 a pixel
     std::vector<double> alpha;   // share of the samples that is covered
+    // The truth's own error (docs/derivations.md): no channel is further than this from what exact arithmetic makes of the scene's numbers.
+    // 3 a pixel, linear light; +infinity where nothing is known of it.
+    std::vector<double> bound;
+    std::vector<uint8_t> decided;  // 0: what a sample of the pixel shows is open, even in more bits, and `bound` says nothing
     // Planes of the sample that stands for the pixel.
     std::vector<double> depth;                // planar, scene units; +infinity where nothing is seen
+    std::vector<double> depthBound;           // the truth's own error of it; +infinity where nothing is seen
     std::vector<uint32_t> object, primitive;  // kNone where nothing is seen
     // decisions that binary64 left open and that were decided without rounding; with rays: samples traced again in more bits
     uint64_t redone = 0;
@@ -43,5 +48,7 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
 
 // Code 0 to 255, not rounded: IEC 61966-2-1 of the value clamped to [0, 1].
 double srgbCode(double linear);
+// Bound of the distance from srgbCode(linear) to the code of any value within `error` of it, in steps.
+double srgbCodeError(double linear, double error);
 
 }  // namespace plumb

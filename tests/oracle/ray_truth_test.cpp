@@ -367,7 +367,7 @@ TEST(RayTruth, WhatIsCutWeighsWhatIsSaid) {
     const glm::dvec3 sky(*scene.background);
     const Pinhole pinhole(*scene.camera, kWidth, kHeight, 1);
     const RayWorld world(scene);
-    const double brightest = world.brightness(sky);
+    const double brightest = world.brightness(sky).most;
     RayTruth whole(world, pinhole, sky, {12, 0x1p-14, 1u << 20});
     double before = 0;
     for (const double least : {0x1p-8, 0x1p-6, 0x1p-4}) {
