@@ -28,11 +28,9 @@ namespace {
 constexpr std::string_view kBadNormal = "a normal is not three finite numbers; it counts as not stated";
 constexpr std::string_view kBadTexture = "a texture coordinate is not finite numbers; it is not used";
 constexpr std::string_view kBadColour = "a vertex has more numbers that are no weight or colour; they are not used";
-constexpr std::string_view kBadVertex = "a vertex that no face has is not finite; it is passed over";
 constexpr std::string_view kNoNormal = "a face corner names a normal that is not there; it counts as not stated";
 constexpr std::string_view kNoTexture = "a face corner names a texture coordinate that is not there; it is not used";
 constexpr std::string_view kSlashes = "a face corner has more slashes than numbers; they are passed over";
-constexpr std::string_view kFewCorners = "a face has fewer than 3 corners; it is not drawn";
 
 class ObjReader {
 public:
@@ -215,6 +213,7 @@ private:
         for (std::string_view word = in.word(); isMore(word); word = in.word()) corner(in, word);
         if (mesh_.corners.size() - first < 3) {
             pass(in, kFewCorners);
+            if (fewCorners_.empty()) fewCorners_ = in.location();
             mesh_.corners.resize(first);
             while (!later_.empty() && later_.back().corner >= first) later_.pop_back();
             return;
@@ -262,6 +261,7 @@ private:
         for (const char* kind : {"lines (l)", "points (p)"})
             if (std::find(mesh_.ignored.begin(), mesh_.ignored.end(), kind) != mesh_.ignored.end())
                 drawn += fmt::format("{}{}", drawn.empty() ? "" : " and ", kind);
+        if (drawn.empty() && !fewCorners_.empty()) throw inputError(fewCorners_, "no face has 3 corners or more: the file has no face");
         throw inputError(in.locationAt(text_.data() + text_.size()),
                          drawn.empty() ? "the file ends and has no face" : fmt::format("the file has only {}; they are not drawn", drawn));
     }
@@ -296,6 +296,7 @@ private:
     uint32_t faceMaterialName_ = kNone;
     uint32_t smoothing_ = kNone;
     bool anySmoothing_ = false, anyBadNormal_ = false;
+    std::string fewCorners_;  // location of the first face of fewer than 3 corners; empty: there is none
     std::unordered_map<std::string, uint32_t> materialNames_;
     std::vector<MtlLibraries::Used> usedMaterials_;
 };

@@ -26,11 +26,9 @@ namespace {
 // Shortest vertex and face: "0 0 0\n" and "3 0 1 2\n"; the last line end may be missing.
 constexpr size_t kLeastVertexBytes = 6, kLeastFaceBytes = 8;
 
-constexpr std::string_view kBadVertex = "a vertex that no face has is not finite; it is passed over";
 constexpr std::string_view kBadNormal = "a normal is not finite; it counts as not stated";
 constexpr std::string_view kBadColour = "a colour is not three finite numbers; it counts as not stated";
 constexpr std::string_view kMoreNumbers = "a vertex has more numbers than the header says; they are not used";
-constexpr std::string_view kFewCorners = "a face has fewer than 3 corners; it is not drawn";
 
 class OffReader {
 public:

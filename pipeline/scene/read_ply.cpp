@@ -30,13 +30,11 @@ using namespace ply;
 
 constexpr char kNoComment = '\0';  // after the header PLY has no comments
 
-constexpr std::string_view kBadVertex = "a vertex that no face has is not finite; it is passed over";
 constexpr std::string_view kBadNormal = "a normal is not finite; it counts as not stated";
 constexpr std::string_view kBadColour = "a vertex colour is not finite; it counts as not stated";
 constexpr std::string_view kBadSkipped = "a value that is not drawn is none of its type; it is passed over";
 constexpr std::string_view kMoreValues = "a row has more values than the header says; they are not used";
 constexpr std::string_view kComment = "a comment stands behind the header; it is passed over";
-constexpr std::string_view kFewCorners = "a face has fewer than 3 corners; it is not drawn";
 
 class PlyReader {
 public:

@@ -24,7 +24,7 @@ namespace {
 constexpr size_t kHeaderBytes = 84, kFacetBytes = 50;  // 80 of comment and a count; 12 floats and an attribute
 constexpr std::string_view kBadNormal = "a facet normal is not three finite numbers; it is not used";
 constexpr std::string_view kSolid = "'solid' or 'endsolid' stands where none is expected; it is passed over";
-constexpr std::string_view kFewCorners = "a facet has fewer than 3 corners; it is not drawn";
+constexpr std::string_view kFewFacetCorners = "a facet has fewer than 3 corners; it is not drawn";
 
 static_assert(std::endian::native == std::endian::little, "binary STL is little-endian and read as it lies");
 
@@ -148,6 +148,8 @@ public:
                 otherLine();
             }
         }
+        if (mesh_.faceMaterial.empty() && !fewCorners_.empty())
+            throw inputError(fewCorners_, "no facet has 3 corners or more: the file has no face");
         if (mesh_.faceMaterial.empty()) in_.refuse("the file ends and has no face");
         if (inSolid) pass("the file ends without 'endsolid'");
     }
@@ -193,10 +195,12 @@ private:
             for (int i = 0; i < 3; ++i) corners[count][i] = in_.coordinate(in_.wordAnywhere(), kVertexField[i]);
         const bool loopEnds = is("endloop") || endOf("loop");
         if (!loopEnds) refuse(count < 3 ? "vertex" : "endloop");
-        if (count < 3)
-            pass(kFewCorners);
-        else
+        if (count < 3) {
+            pass(kFewFacetCorners);
+            if (fewCorners_.empty()) fewCorners_ = in_.location();
+        } else {
             addFacet(mesh_, corners);
+        }
         take();
         if (!is("endfacet") && !endOf("facet")) refuse("endfacet");
         meter_.at(in_.offset());
@@ -222,6 +226,7 @@ private:
     Tolerance& tolerance_;
     PolygonMesh& mesh_;
     std::string_view word_;
+    std::string fewCorners_;  // location of the first facet of fewer than 3 corners; empty: there is none
 };
 
 // True when the first line that is neither blank nor a comment begins a solid or a facet.

@@ -94,7 +94,8 @@ struct Scene {
     std::optional<bool> wirePerPolygon;  // each edge once for each polygon that has it
     std::optional<bool> distantViewer;   // the viewer counts as infinitely far away when a point is lit (section 3 of the notes)
     bool cullBackFaces = true;
-    std::string zBufferLocation;       // where the file states it
+    // Where the file states fill, viewer and z_buffer, for refusals; empty: it does not.
+    std::string fillLocation, viewerLocation, zBufferLocation;
     bool zBuffer = true;               // false: --fill notes paints polygon over polygon, as in the notes before section 14
     bool wholeSphereHeights = false;   // --fill notes rounds z of spheres to whole numbers, as the notes' program does
     glm::uvec2 size{0};                // 0: not stated

@@ -13,6 +13,10 @@
 
 namespace plumb {
 
+// Kinds that several formats have.
+inline constexpr std::string_view kBadVertex = "a vertex that no face has is not finite; it is passed over";
+inline constexpr std::string_view kFewCorners = "a face has fewer than 3 corners; it is not drawn";
+
 class Tolerance {
 public:
     explicit Tolerance(const LoadOptions& options) : options_(options) {}

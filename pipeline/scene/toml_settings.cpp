@@ -35,10 +35,11 @@ void SceneFile::readSettings(const toml::table& root) {
     if (const auto* node = root.get("min_weight")) scene_.minWeight = numberOf(*node, "min_weight", 0, 1);
     readRays(root);
     if (const auto* node = root.get("shadows")) scene_.shadows = booleanOf(*node, "shadows");
-    if (const auto* node = root.get("fill")) scene_.fill = chosenOf(*node, "fill", kFills);
+    if (const auto* node = root.get("fill")) scene_.fill = chosenOf(*node, "fill", kFills), scene_.fillLocation = location(*node);
     if (const auto* node = root.get("wire")) scene_.wire = chosenOf(*node, "wire", kWireViews);
     if (const auto* node = root.get("edges")) scene_.wirePerPolygon = chosenOf(*node, "edges", kEdgeCounts);
-    if (const auto* node = root.get("viewer")) scene_.distantViewer = chosenOf(*node, "viewer", kViewers);
+    if (const auto* node = root.get("viewer"))
+        scene_.distantViewer = chosenOf(*node, "viewer", kViewers), scene_.viewerLocation = location(*node);
     if (const auto* node = root.get("z_buffer")) scene_.zBuffer = booleanOf(*node, "z_buffer"), scene_.zBufferLocation = location(*node);
     if (const auto* node = root.get("sphere_heights"))
         scene_.wholeSphereHeights = choiceOf<bool>(*node, "sphere_heights", {{"exact", false}, {"whole", true}});

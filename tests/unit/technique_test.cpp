@@ -64,6 +64,9 @@ TEST(Technique, WhatItDoesNotHaveIsOneSentenceWithoutADevice) {
     };
     Scene noZBuffer = triangles();
     noZBuffer.zBuffer = false;
+    Scene stated = triangles();  // as a file that states both
+    stated.distantViewer = true, stated.viewerLocation = "s.toml:3:10";
+    stated.fill = Fill::notes, stated.fillLocation = "s.toml:4:8";
     const RenderRequest phong = requestOf(Shading::phong), rays = requestOf(Shading::ray), notes = requestOf(Shading::phong, Fill::notes);
     struct Row {
         Scene scene;
@@ -83,6 +86,8 @@ TEST(Technique, WhatItDoesNotHaveIsOneSentenceWithoutADevice) {
          "--limit-chunk 7 cuts its 20 triangles"},
         {triangles(), change(rays, [](auto& r) { r.distantViewer = true; }), "--viewer distant"},
         {triangles(), change(rays, [](auto& r) { r.fill = Fill::notes; }), "--fill notes"},
+        {stated, change(rays, [](auto& r) { r.distantViewer = true; }), "s.toml:3:10: viewer = \"distant\" is"},
+        {stated, change(rays, [](auto& r) { r.fill = Fill::notes; }), "s.toml:4:8: fill = \"notes\" is"},
         {triangles(), change(rays, [](auto& r) { r.trade.affine = true; }), "--trade"},
         {triangles(), change(rays, [](auto& r) { r.rays.jitterShadow = 0.6f; }), "--jitter"},
         {triangles(), change(rays, [](auto& r) { r.rays.cutLevels = true; }), "--levels cut"},
@@ -96,6 +101,7 @@ TEST(Technique, WhatItDoesNotHaveIsOneSentenceWithoutADevice) {
     for (const RenderRequest& request : {phong, rays, notes, requestOf(Shading::wire)}) EXPECT_EQ(refusalOf(triangles(), request), "");
     EXPECT_EQ(refusalOf(spheres(), notes), "");
     EXPECT_EQ(refusalOf(spheres(), rays), "");
+    EXPECT_EQ(refusalOf(stated, rays), "") << "the request overrides both";
     EXPECT_EQ(refusalOf(noZBuffer, notes), "") << "polygons in their order";
     EXPECT_EQ(refusalOf(triangles(), change(phong, [](auto& r) { r.trade.coarse = true, r.knobs.chunkTriangles = 20; })), "")
         << "one chunk";

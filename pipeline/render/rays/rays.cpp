@@ -26,9 +26,18 @@ bool sharesCorners(const RenderRequest& request) {
 }
 
 void refuseRays(const Scene& scene, const RenderRequest& request) {
-    if (request.distantViewer)
-        throw usageError("--viewer distant is a simplification of the raster shadings; a ray comes from the eye that it is traced from");
-    if (request.fill == Fill::notes) throw usageError("--fill notes is a fill of the raster shadings; --shading ray has none");
+    if (request.distantViewer) {
+        constexpr const char* why = "is a simplification of the raster shadings; a ray comes from the eye that it is traced from";
+        if (scene.distantViewer == request.distantViewer && !scene.viewerLocation.empty())
+            throw inputError(scene.viewerLocation, fmt::format("viewer = \"distant\" {}; --viewer local overrides", why));
+        throw usageError(fmt::format("--viewer distant {}", why));
+    }
+    if (request.fill == Fill::notes) {
+        constexpr const char* why = "is a fill of the raster shadings; --shading ray has none";
+        if (scene.fill == request.fill && !scene.fillLocation.empty())
+            throw inputError(scene.fillLocation, fmt::format("fill = \"notes\" {}; --fill exact overrides", why));
+        throw usageError(fmt::format("--fill notes {}", why));
+    }
     if (request.trade != Trade{}) throw usageError("--trade is about the raster shadings; --shading ray has none of these choices");
     refuseNoZBuffer(scene);
     const RayChoices& rays = request.rays;
