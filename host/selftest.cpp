@@ -2,6 +2,7 @@
 #include "host/selftest.h"
 
 #include "host/buffer.h"
+#include "host/cache.h"
 #include "host/recorder.h"
 #include "host/vulkan.h"
 
@@ -11,7 +12,6 @@
 #include <cstdint>
 
 #include <fmt/core.h>
-#include <unistd.h>
 #include <string_view>
 
 #include <cfloat>
@@ -19,8 +19,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 namespace plumb {
@@ -90,35 +88,9 @@ SelfTest runVectors(Device& device, Recorder& recorder) {
     return judgeSelfTest(vectors, answers.span());
 }
 
-std::filesystem::path cacheFolder() {
-    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg == '/') return std::filesystem::path(xdg) / "plumbline";
-    if (const char* home = std::getenv("HOME"); home && *home == '/') return std::filesystem::path(home) / ".cache" / "plumbline";
-    return {};
-}
-
 std::string cacheKey(Device& device) {
     const DeviceInfo& info = device.info();
     return fmt::format("{} {:x} {} | {} | {}", info.uuid, device.impl().driverVersion, spirv::selftest.sha256, info.name, info.driverInfo);
-}
-
-std::string readWhole(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
-// Writes the cache whole or not at all: a temporary file in the same folder, renamed.
-void writeCache(const std::filesystem::path& path, const std::string& text) {
-    std::error_code ignored;
-    std::filesystem::create_directories(path.parent_path(), ignored);
-    std::filesystem::path temporary = path;
-    temporary += fmt::format(".{}", getpid());
-    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-    file << text;
-    file.close();
-    if (file)
-        std::filesystem::rename(temporary, path, ignored);
-    else
-        std::filesystem::remove(temporary, ignored);
 }
 
 }  // namespace
@@ -218,7 +190,7 @@ SelfTest runSelfTest(Device& device) {
     std::filesystem::path file = cacheFolder();
     if (!file.empty()) file /= fmt::format("selftest-{:016x}", fnv1a(key));
     SelfTest verdict;
-    bool cached = !file.empty() && readSelfTestCache(readWhole(file), key, verdict);
+    bool cached = !file.empty() && readSelfTestCache(readCache(file), key, verdict);
     if (cached) {
         const SelfTest before = verdict;
         runCanaries(device, recorder, verdict);

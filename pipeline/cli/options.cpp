@@ -22,10 +22,10 @@ namespace {
 // A value that a flag does not accept; the parser knows the flag and what it accepts.
 struct Refused {};
 
-constexpr uint32_t kDraw = kRender | kVerify | kMeasure;
-constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix | kBench | kMeasure;
-constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix | kDiff | kBench | kMeasure;
-constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices | kBench | kMeasure;
+constexpr uint32_t kDraw = kRender | kVerify | kMeasure | kPlan;
+constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix | kBench | kMeasure | kPlan;
+constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix | kDiff | kBench | kMeasure | kPlan;
+constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices | kBench | kMeasure | kPlan;
 constexpr uint32_t kLargestSide = 65536;
 
 // All of `text`, without a locale; NaN, infinity and out of range are refused.
@@ -219,14 +219,16 @@ void addJitter(Options& o, const std::string& text) {
     }
 }
 
-void setLimit(Options& o, const std::string& text) {
+// Milliseconds, at least 1.
+double duration(const std::string& text) {
     std::string_view digits = text;
     double unit = 0;
     for (const auto& [word, ms] : {std::pair("ms", 1.0), std::pair("min", 60000.0), std::pair("s", 1000.0)})
         if (unit == 0 && digits.ends_with(word)) unit = ms, digits.remove_suffix(std::string_view(word).size());
     if (unit == 0) throw Refused{};
-    o.limitMs = real(digits, 0, 1e9) * unit;
-    if (!(o.limitMs >= 1)) throw Refused{};
+    const double ms = real(digits, 0, 1e9) * unit;
+    if (!(ms >= 1)) throw Refused{};
+    return ms;
 }
 
 void setFailBlank(Options& o, const std::string& text) {
@@ -380,7 +382,8 @@ const std::vector<Flag> kFlags = {
          }
      },
      true},
-    {"--limit", "TIME", "end after this time; choices that it leaves no time for are cut and listed", "120s", "a time with ms, s or min, at least 1ms, e.g. 90s", kNoWords, kMeasure, setLimit},
+    {"--limit", "TIME", "end after this time; choices that it leaves no time for are cut and listed", "120s", "a time with ms, s or min, at least 1ms, e.g. 90s", kNoWords, kMeasure,
+     [](Options& o, const std::string& v) { o.limitMs = duration(v); }},
     {"--repetitions", "N", "rounds in which each choice is drawn once; medians and a front need at least 3, telling times apart about 8 to 11", "31", "a whole number, 1 to 1000", kNoWords, kMeasure,
      [](Options& o, const std::string& v) { o.repetitions = number<uint32_t>(v, 1, 1000); }},
     {"--csv", "[=FILE]", "write the rows as CSV, to standard output or to FILE", "", "a path", kFile, kMeasure,
@@ -390,7 +393,14 @@ const std::vector<Flag> kFlags = {
      }},
     {"--with-error", "", "measure the picture against its truth in binary64: largest error and where, p99, rms, wrong primitives", "", "", kNoWords, kRender,
      [](Options& o, const std::string&) { o.withError = true; }},
-    {"--explain", "", "say which passes run, which were dropped and why; without -o nothing is drawn", "", "", kNoWords, kRender,
+    {"--error", "LIST", "take the cheapest choices that keep this error, check the picture against its truth, and exit 6 where no choice does: E or E:METRIC by commas", "no budget",
+     "E or E:METRIC by commas, E in steps of 1/255 (2 or 2/255; for wrong a share, e.g. 0.1%), METRIC one of " + listOf(kErrorMetrics),
+     {"1:max", "0.5:rms", "1:p99", "0.1%:wrong"}, kRender | kPlan, [](Options& o, const std::string& v) { addErrorBudget(o.error, v); }, true},
+    {"--time", "T", "take the most accurate choices whose picture is drawn in this time, by counted work and a calibration of the device; exit 6 where none is", "no budget",
+     "a time with ms, s or min, at least 1ms, e.g. 200ms", kNoWords, kRender | kPlan, [](Options& o, const std::string& v) { o.timeMs = duration(v); }},
+    {"--check-time", "T", "with --error: check a random sample of the pixels where the truth of all would take longer", "ten times the picture's time",
+     "a time with ms, s or min, at least 1ms, e.g. 30s", kNoWords, kRender, [](Options& o, const std::string& v) { o.checkMs = duration(v); }},
+    {"--explain", "", "say which passes run, which were dropped and why; without -o nothing is drawn", "", "", kNoWords, kRender | kPlan,
      [](Options& o, const std::string&) { o.explain = true; }},
     {"-q,--quiet", "", "errors only", "", "", kNoWords, kReports, [](Options& o, const std::string&) { o.quiet = true; }},
     {"-v,--verbose", "", "say more: the device and its reason, times of the passes", "", "", kNoWords, kReports, [](Options& o, const std::string&) { ++o.verbose; }, true},
@@ -470,6 +480,17 @@ const std::vector<CommandRow> kCommands = {
        {"plumb measure mug.obj --axis shading,samples --size 320x240 --csv=mug.csv", "two axes, the rows as CSV"},
        {"plumb measure scene.toml --limit 30s -o report.html --json=measure.json",
         "less time, with a report for people and one for programs"}}}},
+    {kPlan,
+     "plan",
+     "SCENE|MESH...",
+     "say what a scene requires",
+     "Prints the choices and steps that a picture would take, what they are predicted to cost, and how wrong they are: without a budget as "
+     "`render` draws it, with --error the cheapest that keep it, with --time the most accurate that fit. Costs are counted work times unit "
+     "costs, which a calibration of a second or two measures once for each device and driver. Errors come from a small picture by the CPU "
+     "twin. No picture is drawn at full size.",
+     {{{"plumb plan scene.toml", "steps, work and time of the picture as it is"},
+       {"plumb plan scene.toml --error 2:max,0.5:rms --explain", "every choice with its cost and error, and the cheapest that keeps both"},
+       {"plumb plan scene.toml --time 200ms --json", "the most accurate within a time, for programs"}}}},
     {kDevices,
      "devices",
      "[A.json B.json]",
@@ -534,7 +555,7 @@ const std::vector<CommandRow> kCommands = {
 };
 
 // Reserved by the design for later versions, so that nothing else takes the words.
-constexpr std::array kLater = {"plan", "stress", "view", "merge", "worker", "report"};
+constexpr std::array kLater = {"stress", "view", "merge", "worker", "report"};
 
 constexpr std::array<ExitRow, 11> kExitCodes = {{{0, "done, and every gate held"},
                                                  {1, "compared, and different"},
@@ -583,6 +604,11 @@ void checkTogether(const Options& o) {
     if (!o.views.empty() && (o.eye || o.at)) throw usageError("--view and --eye/--at exclude each other");
     if (!o.camera.empty() && (!o.views.empty() || o.eye || o.at)) throw usageError("--camera and --view, --eye or --at exclude each other");
     if (o.fill && o.shading == Shading::wire) throw usageError("--fill and --shading wire exclude each other: a wire frame fills nothing");
+    if (o.checkMs && o.error.empty()) throw usageError("--check-time goes with --error: nothing else is checked");
+    if ((!o.error.empty() || o.timeMs) && o.shading == Shading::wire)
+        throw usageError("--error and --time: a wire frame has no truth that a budget could be held against");
+    if ((!o.error.empty() || o.timeMs) && o.stereo != StereoForm::none)
+        throw usageError("--error and --time: the truth is that of one eye; draw each by its own --eye");
     if (o.dimensions == 2 && o.spacePoints) throw usageError("--point: with --dimensions 2 a point has two numbers");
     if (o.dimensions == 3 && o.planePoints) throw usageError("--point: a point has three numbers, unless with --dimensions 2");
     if (o.command == kDiff && !o.output.empty() && o.output != "-" && lowerExtension(o.output) != ".png")

@@ -4,6 +4,7 @@
 // later one does not win.
 #pragma once
 
+#include "pipeline/choices/budget.h"
 #include "pipeline/choices/choices.h"
 #include "pipeline/choices/planes.h"
 #include "pipeline/choices/trade.h"
@@ -29,7 +30,8 @@ enum Command : uint32_t {
     kMeasure = 64,
     kMatrix = 128,
     kBench = 256,
-    kEveryCommand = 127 | kMatrix | kBench
+    kPlan = 1024,
+    kEveryCommand = 127 | kMatrix | kBench | kPlan
 };
 
 enum class ProgressMode { automatic, bar, plain, json, none };
@@ -60,7 +62,7 @@ struct Options {
     std::optional<bool> distantViewer, wirePerPolygon, cull;
     std::optional<WireView> wire;
     std::optional<Encoding> encoding;
-    uint32_t samples = 1;
+    std::optional<uint32_t> samples;   // of a pixel; none: 1, and --time may choose
     std::optional<uint32_t> maxDepth;  // longest chain of rays
     std::optional<double> minWeight;
     std::optional<Sampling> sampling;  // the following five go with rays alone
@@ -104,6 +106,8 @@ struct Options {
     Trade trade;
     std::vector<const TradeAxis*> traded;  // axes that are stated
     bool withError = false;
+    ErrorBudget error;                      // of a picture against its truth
+    std::optional<double> timeMs, checkMs;  // most that a picture may take, and the check of its error
     bool explain = false, quiet = false;
     uint32_t verbose = 0;
 

@@ -18,6 +18,7 @@ Exit renderCommand(const Options&);
 Exit verifyCommand(const Options&);
 Exit diffCommand(const Options&);
 Exit measureCommand(const Options&);
+Exit planCommand(const Options&);
 Exit devicesCommand(const Options&);
 Exit infoCommand(const Options&);
 Exit matrixCommand(const Options&);

@@ -31,6 +31,8 @@ plumb::Exit run(const plumb::Options& options) {
             return diffCommand(options);
         case kMeasure:
             return measureCommand(options);
+        case kPlan:
+            return planCommand(options);
         case kDevices:
             return devicesCommand(options);
         case kInfo:

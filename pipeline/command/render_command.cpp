@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // plumb render: load once, draw each view, write each picture whole or not at all.
 #include "pipeline/cli/progress.h"
+#include "pipeline/command/budget_report.h"
 #include "pipeline/command/command.h"
 #include "pipeline/command/error_report.h"
 #include "pipeline/command/interrupt.h"
@@ -166,6 +167,7 @@ public:
         : options_(options),
           loaded_(loaded),
           request_(std::move(request)),
+          asked_(request_),
           plan_(std::move(plan)),
           renderer_(renderer),
           progress_(progress),
@@ -180,6 +182,7 @@ public:
             progress_.update(fraction);
             return interruptedBy() == 0;
         };
+        asked_.onProgress = request_.onProgress;
         if (reportOnOutput_) expectReader();
     }
     Pictures(const Pictures&) = delete;
@@ -211,6 +214,7 @@ private:
         bool blank = false, refused = false;
         Json report = {};
         double truthMs = 0, writeMs = 0;
+        Json budget = {};  // null without a budget
     };
 
     void makeView(size_t i) {
@@ -247,7 +251,10 @@ private:
     void draw(Picture& p) {
         const Camera& camera = loaded_.views[p.view].camera;
         progress_.begin("render" + which(p), p.begin, p.drawn);
-        if (p.stereo.form == StereoForm::none) {
+        if (!hasBudget(options_)) tellLongPicture(options_, loaded_.scene, request_, renderer_);
+        if (hasBudget(options_)) {
+            drawWithinBudget(p);
+        } else if (p.stereo.form == StereoForm::none) {
             p.result = renderer_.render(loaded_.scene, request_);
         } else if (p.stereo.form == StereoForm::pair) {
             p.result = renderEye(renderer_, loaded_.scene, camera, request_, p.stereo, Eye::left);
@@ -258,6 +265,29 @@ private:
         endTask();
         tellFallbacks();
         renderer_.checkValidation();
+    }
+
+    // Draws with the choices that the budget needs; the request is theirs from then on.
+    void drawWithinBudget(Picture& p) {
+        PlannerRequest budget = plannerRequestOf(options_, asked_);
+        budget.onProgress = [](double) { return interruptedBy() == 0; };
+        takeCosts(budget, renderer_, options_);
+        const DrawPicture draw = [this](const Scene& scene, const RenderRequest& wanted) -> RenderResult {
+            RenderRequest request = wanted;
+            request.onProgress = asked_.onProgress;
+            return renderer_.render(scene, request);
+        };
+        const bool error = !budget.error.empty();
+        CheckedPicture drawn = error ? drawWithinError(loaded_.scene, budget, draw) : drawWithinTime(loaded_.scene, budget, draw);
+        const double took = drawn.result.totalMs;
+        if (budget.timeMs && took > *budget.timeMs)
+            throw Error(Exit::budget, fmt::format("'{}' keeps {} and took {:.3g} ms, beyond --time {:g} ms; nothing is written",
+                                                  drawn.plan.chosen.words, wordsOf(budget.error), took, *budget.timeMs));
+        p.budget = budgetJson(budget, drawn.plan, &drawn, took);
+        lines_.push_back(error ? budgetLine(budget, drawn) : timeLine(budget, drawn.plan, took));
+        request_ = drawn.plan.chosen.request;
+        p.result = std::move(drawn.result);
+        request_.onProgress = asked_.onProgress;
     }
 
     // Throws where a value is not finite; a blank picture is refused with --fail-blank.
@@ -284,6 +314,7 @@ private:
         if (!options_.json) return;
         p.report = pictureJson(renderer_, loaded_.scene, loaded_.sources, loaded_.views[p.view], request_, p.result, p.facts, p.blank);
         if (p.stereo.form != StereoForm::none) p.report["stereo"] = p.stereo.json();
+        if (!p.budget.is_null()) p.report["budget"] = p.budget;
         if (sceneReport.contains("warnings"))
             for (const Json& sentence : sceneReport["warnings"]) p.report["scene"]["warnings"].push_back(sentence);
     }
@@ -369,7 +400,7 @@ private:
 
     const Options& options_;
     Loaded& loaded_;
-    RenderRequest request_;
+    RenderRequest request_, asked_;  // as drawn; as the flags and the scene ask
     const OutputPlan plan_;
     Renderer& renderer_;
     Progress& progress_;
@@ -397,10 +428,12 @@ Exit renderCommand(const Options& options) {
     Progress progress(options.progress, options.quiet);
     Loaded loaded = load(options, progress, start);
     RenderRequest request = choose(options, loaded);
+    if (!draws && hasBudget(options)) throw usageError("--error and --time choose a picture to draw: give -o FILE, or ask `plumb plan`");
     if (!draws) {
         explainOnly(options, loaded, request);
         return Exit::done;
     }
+    if (hasBudget(options)) plannerRequestOf(options, request);  // refuses what cannot be kept before a device is opened
     OutputPlan plan = outputPlanOf(options, loaded.views, loaded.size);
     request.planes = plan.planes;
     if (options.withError) askForTruth(options, loaded.scene, request);

@@ -68,7 +68,7 @@ void rayChoices(const Options& options, const Scene& scene, RenderRequest& reque
     RayChoices& rays = request.rays;
     Stated& by = request.stated;
     rays.sampling = stated(options.sampling, scene.sampling, Sampling::grid, "--sampling", by.sampling);
-    if (!options.sampling && scene.sampling && options.samples != 1 &&
+    if (!options.sampling && scene.sampling && options.samples.value_or(1) != 1 &&
         (rays.sampling == Sampling::corners || rays.sampling == Sampling::adaptive))
         throw usageError(
             fmt::format("--samples: the scene's sampling = \"{}\" has its own number of samples; leave --samples out, or state --sampling",
@@ -94,7 +94,8 @@ LoadOptions loadOptionsOf(const Options& options, Progress* progress, double fro
     load.strict = options.strict;
     load.camera = options.camera;
     load.creaseDegrees = options.creaseDegrees;
-    load.keepNumbers = options.withError || options.command == kMeasure || options.command == kInfo;
+    load.keepNumbers = options.withError || !options.error.empty() || options.timeMs || options.command == kPlan ||
+                       options.command == kMeasure || options.command == kInfo;
     load.format = options.format;
     load.onProgress = [progress, from, to, stage = ""](double done, const char* now) mutable {
         stopIfInterrupted();
@@ -129,7 +130,7 @@ RenderRequest requestOf(const Options& options, const Scene& scene, glm::uvec2 s
     if (options.minWeight) request.minWeight = float(*options.minWeight);
     rayChoices(options, scene, request);
     request.encoding = options.encoding.value_or(request.encoding);
-    request.samples = options.samples;
+    request.samples = options.samples.value_or(1);
     if (options.background) {
         request.transparent = options.background->transparent;
         for (int c = 0; c < 3; ++c)

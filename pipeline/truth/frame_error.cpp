@@ -55,7 +55,7 @@ bool showsSomething(const Frame& frame, const Truth& truth, size_t at, bool tran
     return frame.object[at] != kNone || truth.alpha[at] > 0 || truth.object[at] != kNone || (transparent && frame.rgba[at] >> 24 != 0);
 }
 
-FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bool transparent) {
+FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bool transparent, const PixelChoice& choice) {
     const size_t pixels = size_t(truth.width) * truth.height;
     PLUMB_ASSERT(frame.width == truth.width && frame.height == truth.height && frame.rgba.size() == pixels &&
                  frame.linear.size() == 3 * pixels && frame.depth.size() == pixels && frame.object.size() == pixels &&
@@ -75,6 +75,7 @@ FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bo
     for (size_t at = 0; at < pixels; ++at) {
         const uint32_t word = frame.rgba[at];
         const bool sameFace = frame.object[at] == truth.object[at] && frame.primitive[at] == truth.primitive[at];
+        if (!choice.wanted.empty() && choice.wanted[at] == 0) continue;
         if (!showsSomething(frame, truth, at, transparent)) continue;
         ++error.pixels;
         if (!sameFace && error.wrongPrimitive++ == 0) error.wrongX = uint32_t(at % truth.width), error.wrongY = uint32_t(at / truth.width);
@@ -92,7 +93,12 @@ FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bo
             picture.add(at, {bytes[0], bytes[1], bytes[2], bytes[3]});
         else
             picture.add(at, {bytes[0], bytes[1], bytes[2]});
-        error.perPixel[at] = float(std::max({bytes[0], bytes[1], bytes[2], bytes[3]}) / 255);
+        const double worst = std::max({bytes[0], bytes[1], bytes[2], bytes[3]});
+        error.perPixel[at] = float(worst / 255);
+        if (!choice.decided.empty() && choice.decided[at] == 0)
+            ++error.undecided;
+        else if (worst > error.decidedMax)
+            error.decidedMax = worst, error.decidedX = uint32_t(at % truth.width), error.decidedY = uint32_t(at / truth.width);
         error.unroundedPerPixel[at] = float(std::max({codes[0], codes[1], codes[2]}));
         unrounded.add(at, {codes[0], codes[1], codes[2]});
         linear.add(at, {light[0], light[1], light[2]});

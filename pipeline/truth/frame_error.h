@@ -5,6 +5,7 @@
 #include "pipeline/truth/truth.h"
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,10 @@ struct FrameError {
     double depthRelative = 0;         // largest |w - truth| / truth where the same primitive is seen (kPlaneDepth)
     uint64_t wrongPrimitive = 0;      // pixels that show another face than the truth, a face where it has none, or none where it has one
     uint32_t wrongX = 0, wrongY = 0;  // the first such pixel
+    // `picture.max` over the pixels that PixelChoice::decided holds, and its first pixel. Without that choice over every pixel.
+    double decidedMax = 0;
+    uint32_t decidedX = 0, decidedY = 0;
+    uint64_t undecided = 0;  // pixels that it leaves out
     double wrongShare() const { return pixels == 0 ? 0 : double(wrongPrimitive) / double(pixels); }
     std::vector<float> unroundedPerPixel;  // `unrounded` of each pixel, in steps; the largest channel
     std::vector<float> perPixel;           // `picture` of each pixel, in shares of full scale (1 = 255 steps)
@@ -35,8 +40,14 @@ struct FrameError {
 // True when a pixel counts: the picture or the truth shows something in it.
 bool showsSomething(const Frame& frame, const Truth& truth, size_t at, bool transparent);
 
+// Pixels that an error is taken over, one value a pixel.
+struct PixelChoice {
+    std::span<const uint8_t> wanted;   // 0: left out of every figure, as its truth is not known; empty: none is left out
+    std::span<const uint8_t> decided;  // 0: left out of `decidedMax` (truth/decided.h); empty: none is left out
+};
+
 // Error of a frame that has kPlaneLinear, kPlaneDepth, kPlaneObject and kPlanePrimitive. Its samples need not be the truth's. A NaN or
 // infinity in a drawn pixel fails before any figure is taken: Error(failed), naming the first pixel.
-FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bool transparent);
+FrameError errorOf(const Frame& frame, const Truth& truth, Encoding encoding, bool transparent, const PixelChoice& pixels = {});
 
 }  // namespace plumb

@@ -15,6 +15,7 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -39,12 +40,26 @@ void setChannel(Truth& out, size_t at, double sum, double error, double count) {
     out.bound[at] = bound <= std::numeric_limits<double>::max() ? bound : INFINITY;  // a NaN says no more
 }
 
+// Pixels whose truth is asked for.
+struct Wanted {
+    std::span<const uint8_t> pixels;  // empty: every one
+    uint32_t width = 0;
+    bool operator()(uint32_t x, uint32_t y) const { return pixels.empty() || pixels[size_t(y) * width + x] != 0; }
+};
+
 // Band of pixel rows: the visible triangle of each sample, then its colour.
 class Band {
 public:
     Band(const Scene& scene, const RenderRequest& request, const Geometry& geometry, const Illumination& illumination, uint32_t side,
-         Truth& out)
-        : scene_(scene), request_(request), geometry_(geometry), illumination_(illumination), judge_(geometry), side_(side), out_(out) {}
+         Wanted wanted, Truth& out)
+        : scene_(scene),
+          request_(request),
+          geometry_(geometry),
+          illumination_(illumination),
+          judge_(geometry),
+          side_(side),
+          wanted_(wanted),
+          out_(out) {}
 
     void draw(uint32_t firstRow, uint32_t rows) {
         const int width = int(request_.width * side_), first = int(firstRow * side_), last = int((firstRow + rows) * side_) - 1;
@@ -54,11 +69,13 @@ public:
             for (int j = std::max(first, triangles[t].firstRow); j <= std::min(last, triangles[t].lastRow); ++j)
                 for (int i = triangles[t].firstColumn; i <= std::min(triangles[t].lastColumn, width - 1); ++i) {
                     uint32_t& best = seen_[size_t(j - first) * size_t(width) + size_t(i)];
+                    if (!wanted_(uint32_t(i) / side_, uint32_t(j) / side_)) continue;
                     if (!judge_.hits(t, x(i), y(j))) continue;
                     if (best == kNone || judge_.nearer(t, best, x(i), y(j))) best = t;
                 }
         for (uint32_t row = 0; row < rows; ++row)
-            for (uint32_t column = 0; column < request_.width; ++column) resolve(column, firstRow + row, first);
+            for (uint32_t column = 0; column < request_.width; ++column)
+                if (wanted_(column, firstRow + row)) resolve(column, firstRow + row, first);
     }
     void addTo(Truth& out) const { out.redone += judge_.redone(); }
 
@@ -100,6 +117,7 @@ private:
     const Illumination& illumination_;
     Judge judge_;
     const uint32_t side_;
+    const Wanted wanted_;
     Truth& out_;
     std::vector<uint32_t> seen_;  // visible triangle of each sample: index into geometry_.triangles()
     uint32_t patchIndex_ = kNone;
@@ -274,12 +292,14 @@ private:
 template <class Looker>
 class SampleBand {
 public:
-    SampleBand(Looker looker, const Pinhole& pinhole, const RenderRequest& request, const SamplePositions& positions, Truth& out)
-        : request_(request), pinhole_(pinhole), positions_(positions), looker_(std::move(looker)), out_(out) {}
+    SampleBand(Looker looker, const Pinhole& pinhole, const RenderRequest& request, const SamplePositions& positions, Wanted wanted,
+               Truth& out)
+        : request_(request), pinhole_(pinhole), positions_(positions), looker_(std::move(looker)), wanted_(wanted), out_(out) {}
 
     void draw(uint32_t firstRow, uint32_t rows) {
         for (uint32_t y = firstRow; y < firstRow + rows; ++y)
-            for (uint32_t x = 0; x < request_.width; ++x) pixel(x, y);
+            for (uint32_t x = 0; x < request_.width; ++x)
+                if (wanted_(x, y)) pixel(x, y);
     }
     void addTo(Truth& out) const {
         looker_.addTo(out);
@@ -325,6 +345,7 @@ private:
     const Pinhole& pinhole_;
     const SamplePositions& positions_;
     Looker looker_;
+    const Wanted wanted_;
     Truth& out_;
     double leftOut_ = 0;
 };
@@ -341,8 +362,9 @@ SamplePositions aroundWholeCoordinates(uint32_t samples) {
 
 }  // namespace
 
-Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples) {
+Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples, std::span<const uint8_t> wantedPixels) {
     PLUMB_ASSERT(scene.camera.has_value());
+    PLUMB_ASSERT(wantedPixels.empty() || wantedPixels.size() == size_t(request.width) * request.height);
     if (request.shading == Shading::wire)
         throw usageError("a wire frame has no truth: its lines are a drawing, not the picture of a surface");
     if (request.samples != 1 && request.samples != 4 && request.samples != 16) throw usageError("--samples takes 1, 4 or 16");
@@ -352,6 +374,7 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
     out.height = request.height;
     out.samples = request.samples;
     const size_t pixels = size_t(out.width) * out.height;
+    const Wanted wanted{wantedPixels, out.width};
     out.linear.assign(3 * pixels, 0.0);
     out.alpha.assign(pixels, 0.0);
     out.depth.assign(pixels, INFINITY);
@@ -367,20 +390,21 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
         out.samples = uint32_t(positions.at.size());
         const truth::RayWorld world(scene);
         drawBands(request, out,
-                  [&] { return SampleBand(RayLooker(world, pinhole, request, positions), pinhole, request, positions, out); });
+                  [&] { return SampleBand(RayLooker(world, pinhole, request, positions), pinhole, request, positions, wanted, out); });
     } else if (request.fill == Fill::notes && !scene.spheres.empty()) {
         const Pinhole pinhole(*scene.camera, out.width, out.height, 1);
         const SamplePositions positions = aroundWholeCoordinates(request.samples);
         const Geometry geometry(scene, pinhole);
         const Illumination illumination(scene, geometry);
-        drawBands(request, out, [&] { return SampleBand(SphereLooker(scene, illumination, request), pinhole, request, positions, out); });
+        drawBands(request, out,
+                  [&] { return SampleBand(SphereLooker(scene, illumination, request), pinhole, request, positions, wanted, out); });
     } else {
         const uint32_t side = sideOf(request.samples), drawnSide = sideOf(drawnSamples == 0 ? request.samples : drawnSamples);
         const Geometry geometry(
             scene, Pinhole(*scene.camera, out.width, out.height, side, request.fill == Fill::notes ? 0.5 * side / drawnSide : 0));
         const Illumination illumination(scene, geometry);
         out.redone = geometry.redone();
-        drawBands(request, out, [&] { return Band(scene, request, geometry, illumination, side, out); });
+        drawBands(request, out, [&] { return Band(scene, request, geometry, illumination, side, wanted, out); });
     }
     out.timeMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     return out;

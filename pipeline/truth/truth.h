@@ -8,6 +8,7 @@
 #include "pipeline/render/render.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace plumb {
@@ -44,7 +45,8 @@ struct Truth {
 // down to 2^-20 (leftOut: where a tree of thousands ended earlier). Colours have no noise and are not cut to levels. The request says
 // where rays pass through a pixel: the grid, the middle, the four corners (their mean), or the notes' corner. Random positions and
 // adaptive sampling have the grid's truth. The planes hold the sample that the picture's planes hold.
-Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples = 0);
+// `wanted`: nonzero for each pixel whose truth is asked for; the others stay as where nothing is seen. Empty: every pixel.
+Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples = 0, std::span<const uint8_t> wanted = {});
 
 // Code 0 to 255, not rounded: IEC 61966-2-1 of the value clamped to [0, 1].
 double srgbCode(double linear);

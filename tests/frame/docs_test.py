@@ -16,7 +16,7 @@ import tempfile
 import time
 
 # Pages about a command: an answer that is run stands in their first screen.
-PAGES = ("accuracy.md", "commands.md", "containers.md", "diff.md", "fingerprint.md", "measure.md", "outputs.md", "rays.md", "scene-format.md", "tests.md", "truth.md")
+PAGES = ("accuracy.md", "budgets.md", "commands.md", "containers.md", "diff.md", "fingerprint.md", "measure.md", "outputs.md", "rays.md", "scene-format.md", "tests.md", "truth.md")
 SCREEN = 40  # lines
 ANSWERS = ("", "text", "json")
 
@@ -42,6 +42,8 @@ REPORTS = [
     "plumb render scenes/pyramid.toml --fill notes -q -o x.png",
     "plumb render scenes/pyramid.toml --device twin -q -o x.png",
     "plumb render scenes/four-spheres.toml --size 64x48 --sampling adaptive --with-error -q -o x.png",
+    "plumb render scenes/suzanne.toml --size 64x48 --device twin --error 40:rms -q -o x.png",
+    "plumb plan scenes/four-spheres.toml --size 64x48 --device twin -q",
     "plumb verify scenes/pyramid.toml -q",
     "plumb diff x.png x.png --gate 'max<=0.1'",
     "plumb measure scenes/suzanne.toml --size 64x48 --axis depth,specular --repetitions 3 -q",
@@ -56,7 +58,7 @@ REPORTS = [
     "plumb bench matrix 1e3 --repeat 3 -q",
     "plumb bench trace spheres4 --size 96x64 --repeat 3 -q",
 ]
-NAMES = ("spirv", "passes", "passes_ms", "passesMs", "counts", "over")
+NAMES = ("spirv", "work", "passes", "passes_ms", "passesMs", "counts", "over")
 # Flag, page, and the beginning of the lines on which its words stand; {} is the axis of AXIS=WORD.
 WORDED = [("trade", "measure.md", r"\| `{}` \|"), ("sampling", "rays.md", r"\| `"), ("aov", "outputs.md", r"\| `")] + \
          [(flag, "scene-format.md", f"{key} = ") for flag, key in (("encode", "encoding"), ("shading", "shading"), ("fill", "fill"), ("wire", "wire"), ("edges", "edges"),
