@@ -119,7 +119,8 @@ void takeCosts(PlannerRequest& request, Renderer& renderer, const Options& optio
     request.costs = calibration.costs;
     request.twinRay = calibration.twinRay;
     if (!calibration.fromCache)
-        say(options, fmt::format("plumb: unit costs of {} measured in {:.0f} ms, and kept", renderer.name(), calibration.ms));
+        say(options, fmt::format("plumb: unit costs of {} measured in {:.0f} ms{}", renderer.name(), calibration.ms,
+                                 calibration.steady ? ", and kept" : " beside other work, and not kept"));
 }
 
 void tellLongPicture(const Options& options, const Scene& scene, const RenderRequest& request, Renderer& renderer) {

@@ -28,6 +28,7 @@ namespace {
 constexpr uint32_t kFewRings = 8, kManyRings = 100;
 constexpr uint32_t kWidth = 384, kHeight = 288, kTiny = 16;  // pixels
 constexpr uint32_t kFewLights = 2, kManyLights = 6;
+constexpr double kUnsteady = 0.25;  // share of the least time by which a quarter of the times may be above it
 constexpr size_t kRounds = 9, kLeastRounds = 3;
 constexpr double kLimitMs = 1000;  // after which no further round begins
 
@@ -143,6 +144,8 @@ public:
         Calibration calibration;
         calibration.costs = costs();
         calibration.twinRay = twinRay();
+        const Timed& phong = of("phong");
+        calibration.steady = phong.spread() < kUnsteady * phong.least();
         calibration.ms = elapsed();
         return calibration;
     }
@@ -279,7 +282,7 @@ Calibration calibrationOf(const std::string& key, const std::function<RenderResu
     Calibration calibration;
     if (keptCalibration(key, calibration)) return calibration;
     calibration = Calibrating(draw).run();
-    if (!file.empty()) writeCache(file, calibrationText(calibration, key));
+    if (!file.empty() && calibration.steady) writeCache(file, calibrationText(calibration, key));
     return calibration;
 }
 

@@ -13,11 +13,13 @@ struct Calibration {
     UnitCosts costs = nominalCosts();
     double twinRay = 0;  // processor nanoseconds of the twin for a ray of the same scene; 0: not measured
     bool fromCache = false;
-    double ms = 0;  // time that it took
+    bool steady = true;  // false: times of one picture differ so much that another process ran beside it; then it is not kept
+    double ms = 0;       // time that it took
 };
 
 // Calibration of what `draw` draws with. `key`: device, driver and version in one line; a file that was made for another key, is not whole or
-// holds anything but positive numbers is measured anew and replaced. Pictures of a ball are drawn in turns for at most about a second.
+// holds anything but positive numbers is measured anew and replaced. Pictures of a ball are drawn in turns for at most about a second,
+// after each was drawn once. What was measured beside other work is not kept.
 Calibration calibrationOf(const std::string& key, const std::function<RenderResult(const Scene&, const RenderRequest&)>& draw);
 
 // Calibration of an earlier call with that key. False: there is none, and nothing is measured.
