@@ -17,7 +17,7 @@ layout(binding = 6, scalar) buffer Attributes { vec4 attributes[]; };
 layout(binding = 7, scalar) writeonly buffer Draws { uvec4 draws[]; };
 layout(binding = 8, scalar) writeonly buffer Kinds { uint kinds[]; };  // one word a job: bit 0 wide, number of drawn triangles << 1
 #ifdef PLUMB_LONG
-layout(binding = 9, scalar) readonly buffer Given { vec4 given[]; };  // clip-space x, y, w of vertices, as the transform left them
+layout(binding = 9, scalar) readonly buffer Given { vec4 given[]; };  // clip-space x, y, w, 1 as the transform left them; zeros: float32
 #endif
 
 // The triangle as the planes so far have left it, and what the present plane keeps of it.
@@ -28,16 +28,15 @@ uint kept;  // corners of `next`
 
 ClipVertex cornerOf(uint vertex, uint object) {
     ClipVertex corner;
-#ifdef PLUMB_LONG
-    vec4 clip = given[vertex];
-    corner.x = clip.x;
-    corner.y = clip.y;
-    corner.w = clip.z;
-#else
     vec3 p = texelFetch(positions, int(vertex)).xyz;
     corner.x = rowTimesPoint(objects[object].rowX, p);
     corner.y = rowTimesPoint(objects[object].rowY, p);
     corner.w = rowTimesPoint(objects[object].rowW, p);
+#ifdef PLUMB_LONG
+    vec4 clip = given[vertex];
+    corner.x = clip.w != 0.0 ? clip.x : corner.x;
+    corner.y = clip.w != 0.0 ? clip.y : corner.y;
+    corner.w = clip.w != 0.0 ? clip.z : corner.w;
 #endif
     corner.attributes = attributes[vertex].xyz;
     return corner;

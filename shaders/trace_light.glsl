@@ -49,7 +49,7 @@ void dimByMeshes(ShadowRay shadowRay, bool sent, inout float passed) {
 float shareOfLight(int light, vec4 lamp, bool lit) {
     ShadowRay shadowRay = shadowRayTo(lamp, hit.before);
     bool above = dot3(hit.seen, shadowRay.direction) > 0.0 && dot3(hit.n, shadowRay.direction) > 0.0;
-    shadowRays += lit && above ? 1u : 0u;
+    shadowRays += kShadows && lit && above ? 1u : 0u;
     if (kJitterShadow != 0u)
         shadowRay.direction =
             jittered(shadowRay.direction, hit.n, uintBitsToFloat(kJitterShadow), keyOfChild(ray.key, kFirstShadowKey + uint(light)));

@@ -22,7 +22,7 @@ layout(binding = 4, scalar) writeonly buffer Screen { uvec4 screen[]; };
 layout(binding = 5, scalar) writeonly buffer Attributes { vec4 attributes[]; };
 #ifdef PLUMB_LONG
 layout(binding = 6, scalar) readonly buffer Longs { LongRecord longs[]; };  // one an object
-layout(binding = 7, scalar) writeonly buffer Clip { vec4 clipSpace[]; };    // x, y, w; clipping continues from there
+layout(binding = 7, scalar) writeonly buffer Clip { vec4 clipSpace[]; };    // x, y, w, 1; clipping continues from there
 #endif
 
 void main() {
@@ -37,7 +37,7 @@ void main() {
 #else
     vec3 clip = blockClip(longs[push.object], p);
 #endif
-    if (mine) clipSpace[at] = vec4(clip, 0.0);
+    if (mine) clipSpace[at] = vec4(clip, 1.0);
     ScreenVertex s = project(clip.x, clip.y, clip.z, push.viewport);
 #else
     float w = rowTimesPoint(o.rowW, p);

@@ -26,6 +26,7 @@ ALLOWED = {
     "command/info_command.cpp": "bounds as the file states them",
     "command/matrix_command.cpp": "shows the user's chain",
     "render/bounds/vertex_error.cpp": "bounds the rounding of the composite by its parts",
+    "render/bounds/vertex_arithmetic.cpp": "compares matrices of objects whose edges may be common",
     "truth": "starts from the file's numbers, and shares no function with the passes",
 }
 

@@ -64,7 +64,9 @@ std::string explained(const Plan& plan) {
         text += fmt::format("  {:<10} {:<10} {}{}\n", step.name, where, step.why,
                             step.idle.empty() ? "" : fmt::format(" (nothing to do: {})", step.idle));
     }
-    for (const Plan::Drop& drop : plan.dropped) text += fmt::format("dropped: {}: {}\n", drop.what, drop.why);
+    for (const Plan::Raise& r : plan.raised) text += fmt::format("{}: {} for {}: {}\n", r.what, r.to, r.of, r.why);
+    for (const Plan::Drop& drop : plan.dropped)
+        text += fmt::format("dropped: {}: {}{}\n", drop.what, drop.why, drop.saves.empty() ? "" : fmt::format(" (saves {})", drop.saves));
     for (const std::string& choice : plan.choices) text += fmt::format("choice: {}\n", choice);
     return text;
 }
@@ -92,6 +94,7 @@ Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector
                        {"transparent", request.transparent}, {"viewer", request.distantViewer ? "distant" : "local"}};
     if (request.shading == Shading::ray) json["options"]["rays"] = raysInWords(request.rays);
     json["plan"] = planJson(result.plan);
+    json["accuracy"] = accuracyJson(result.plan);
     json["time_ms"] = Json::object();  // filled when the picture is written
     json["image"] = imageJson(result.frame, facts, blank);
     json["counters"] = countersJson(result.counters);

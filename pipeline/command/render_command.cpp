@@ -138,25 +138,46 @@ class MovedVertices {
 public:
     explicit MovedVertices(const Options& options) : options_(options) {}
     void tell(const Scene& scene, const RenderRequest& request, Json& sceneReport) {
+        accuracy_ = Json::array();
         for (const VertexError& error : vertexErrors(scene, request)) {
             const std::string sentence = sentenceOf(scene, error);
             sceneReport["warnings"].push_back(sentence);
+            accuracy_.push_back(sentence);
             if (told_.insert(error.object).second) say(options_, fmt::format("plumb: warning: {}", sentence));
         }
+    }
+
+    // Adds what was told last to the warnings of a report's "accuracy".
+    void addTo(Json& accuracy) const {
+        for (const Json& sentence : accuracy_) accuracy["warnings"].push_back(sentence);
+    }
+    // Warnings of a plan, each once.
+    void tell(const Plan& plan) {
+        for (const std::string& sentence : plan.warnings)
+            if (planned_.insert(sentence).second) say(options_, fmt::format("plumb: warning: {}", sentence));
     }
 
 private:
     const Options& options_;
     std::set<uint32_t> told_;
+    std::set<std::string> planned_;
+    Json accuracy_ = Json::array();
 };
 
 void explainOnly(const Options& options, const Loaded& loaded, const RenderRequest& request) {
     Json sceneReport = sceneJson(loaded.scene, loaded.sources);
-    MovedVertices(options).tell(loaded.scene, request, sceneReport);
     const Plan plan = planRender(loaded.scene, request, options.device == "twin" ? RunsOn::twin : RunsOn::device);
+    MovedVertices moved(options);
+    moved.tell(loaded.scene, request, sceneReport);
+    moved.tell(plan);
     if (!options.json || !options.jsonFile.empty()) printData(explained(plan));
-    writeJson(options,
-              {{{"tool", toolJson()}, {"scene", sceneReport}, {"camera", cameraJson(loaded.views[0].camera)}, {"plan", planJson(plan)}}});
+    Json accuracy = accuracyJson(plan);
+    moved.addTo(accuracy);
+    writeJson(options, {{{"tool", toolJson()},
+                         {"scene", sceneReport},
+                         {"camera", cameraJson(loaded.views[0].camera)},
+                         {"plan", planJson(plan)},
+                         {"accuracy", accuracy}}});
 }
 
 // Draws, judges and writes the picture of each view.
@@ -311,8 +332,10 @@ private:
         }
         Json sceneReport;
         moved_.tell(loaded_.scene, request_, sceneReport);
+        moved_.tell(p.result.plan);
         if (!options_.json) return;
         p.report = pictureJson(renderer_, loaded_.scene, loaded_.sources, loaded_.views[p.view], request_, p.result, p.facts, p.blank);
+        moved_.addTo(p.report["accuracy"]);
         if (p.stereo.form != StereoForm::none) p.report["stereo"] = p.stereo.json();
         if (!p.budget.is_null()) p.report["budget"] = p.budget;
         if (sceneReport.contains("warnings"))

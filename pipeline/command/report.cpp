@@ -135,7 +135,8 @@ Json sceneJson(const Scene& scene, const std::vector<SourceFile>& sources) {
 
 Json planJson(const Plan& plan) {
     Json skipped = Json::array();
-    for (const Plan::Drop& drop : plan.dropped) skipped.push_back({{"pass", drop.what}, {"why", drop.why}});
+    for (const Plan::Drop& drop : plan.dropped)
+        skipped.push_back({{"pass", drop.what}, {"why", drop.why}, {"drop", drop.row}, {"saves", drop.saves}});
     Json steps = Json::array();
     for (const PlanStep& step : plan.steps) {
         Json one = {{"pass", step.name}, {"side", nameOf(step.side)}, {"why", step.why}, {"ran", step.ran}};
@@ -144,6 +145,20 @@ Json planJson(const Plan& plan) {
         steps.push_back(std::move(one));
     }
     return {{"passes", plan.names()}, {"steps", steps}, {"skipped", skipped}, {"choices", plan.choices}};
+}
+
+Json accuracyJson(const Plan& plan) {
+    Json raised = Json::array();
+    const auto bound = [](double b) { return std::isfinite(b) ? Json(b) : Json(); };
+    for (const Plan::Raise& r : plan.raised)
+        raised.push_back({{"what", r.what},
+                          {"object", r.of},
+                          {"to", r.to},
+                          {"why", r.why},
+                          {"usual_bound", bound(r.usual)},
+                          {"bound", bound(r.reached)},
+                          {"unit", r.unit}});
+    return {{"raised", raised}, {"warnings", plan.warnings}};
 }
 
 Json countersJson(const RenderCounters& c) {
@@ -157,6 +172,8 @@ Json countersJson(const RenderCounters& c) {
                  {"clipped", c.clipped},
                  {"drawnTriangles", c.drawnTriangles},
                  {"illuminations", c.illuminations},
+                 {"transformed", c.transformed},
+                 {"lightsAdded", c.lightsAdded},
                  {"polygons", c.polygons},
                  {"normals", c.normals},
                  {"edges", c.edges},

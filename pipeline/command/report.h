@@ -35,6 +35,8 @@ std::string nothingSeen(const RenderCounters&);
 Json hostJson();
 Json sceneJson(const Scene&, const std::vector<SourceFile>&);
 Json planJson(const Plan&);
+// Defaults that the scene asks to be more accurate, with their bounds, and what no form keeps.
+Json accuracyJson(const Plan&);
 Json countersJson(const RenderCounters&);
 Json cameraJson(const Camera&);
 Json imageJson(const Frame&, const FrameFacts&, bool blank);

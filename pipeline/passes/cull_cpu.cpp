@@ -157,7 +157,7 @@ void clipCpu(const gpu::ClipPush& push, std::span<const gpu::ClipJob> jobs, std:
                 const glm::vec3 p(positions[v]);
                 polygon.push_back({gpu::rowTimesPoint(o.rowX, p), gpu::rowTimesPoint(o.rowY, p), gpu::rowTimesPoint(o.rowW, p),
                                    glm::vec3(attributes[v])});
-                if (!given.empty()) polygon.back() = {given[v].x, given[v].y, given[v].z, polygon.back().attributes};
+                if (!given.empty() && given[v].w != 0) polygon.back() = {given[v].x, given[v].y, given[v].z, polygon.back().attributes};
             }
             for (int plane = 0; plane < gpu::kClipPlanes; ++plane) {
                 next.clear();

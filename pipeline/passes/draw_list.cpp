@@ -11,7 +11,7 @@ namespace plumb {
 DrawList chunkOf(const DrawList& list, uint32_t first, uint32_t count) {
     DrawList chunk;
     chunk.objects = list.objects;
-    chunk.precision = list.precision;
+    chunk.anyLong = list.anyLong;
     chunk.longs = list.longs;
     chunk.materials = list.materials;
     chunk.lights = list.lights;
@@ -31,6 +31,7 @@ DrawList chunkOf(const DrawList& list, uint32_t first, uint32_t count) {
         DrawList::Range r;
         r.sceneObject = range.sceneObject;
         r.record = range.record;
+        r.precision = range.precision;
         r.firstVertex = uint32_t(chunk.positions.size());
         r.firstTriangle = uint32_t(chunk.triangles.size());
         r.triangleCount = end - begin;

@@ -21,12 +21,13 @@ struct DrawList {
         uint32_t firstTriangle = 0, triangleCount = 0;
         uint32_t firstFace = 0, faceCount = 0;
         uint32_t firstEdge = 0, edgeCount = 0;
-        bool turned = false;  // its triangles are listed in the other order than in the mesh
+        bool turned = false;                    // its triangles are listed in the other order than in the mesh
+        Precision precision = Precision::fp32;  // number format in which its vertices are transformed
     };
     std::vector<Range> ranges;
     std::vector<gpu::ObjectRecord> objects;
-    Precision precision = Precision::fp32;
-    std::vector<gpu::LongRecord> longs;         // one an object, unless `precision` is fp32
+    bool anyLong = false;                       // true when the precision of some range is not fp32
+    std::vector<gpu::LongRecord> longs;         // one an object where anyLong; zeros for objects in fp32
     std::vector<glm::vec4> positions, normals;  // per vertex, object space; w unused
     std::vector<uint32_t> vertexMaterial;
     std::vector<glm::uvec4> triangles;                  // vertices counter-clockwise as seen from the front, material

@@ -20,6 +20,7 @@ struct FillChoices {
     uint32_t shading = gpu::kShadingPhong;
     gpu::ShadeParts parts{true, true, true, gpu::kPowerExact};
     bool oneMaterial = false;
+    bool keepNormals = false;                 // vertices get world normals although no pixel is shaded by one
     uint32_t lightCount = 0, lightKinds = 0;  // number and kinds of few lights (shared/fill.h); 0: any number of lights
     bool affine = false;                      // attributes without perspective
     uint32_t depthBits = 32;                  // 32: float32; gpu::kDepthStandard: float32 of 1 - n/w; 16, 24: fixed point
@@ -38,7 +39,7 @@ struct FillChoices {
 // Normals that the transform leaves for these choices. `always`: world normals whatever the shading (normal plane).
 inline Normals normalsOfTransform(const FillChoices& choices, bool always) {
     if (always) return Normals::direction;
-    if (choices.shading != gpu::kShadingPhong) return Normals::none;
+    if (choices.shading != gpu::kShadingPhong) return choices.keepNormals ? Normals::direction : Normals::none;
     return choices.unitNormals ? Normals::direction : Normals::unit;
 }
 // Choices with which the normals of a picture of another shading are drawn.

@@ -38,6 +38,7 @@ struct TraceChoices {
     bool colour = true;   // write the encoded sample
     bool list = false;    // keep waiting rays in a list; needed where a hit has two children
     bool shadows = true;
+    bool mirrors = true, passes = true;  // mirrored and refracted rays are sent on; false: no hit asks for one
     bool count = true;
     uint32_t lanes = 0;  // device: invocations of a subgroup that work together (DeviceLimits::subgroupShuffle); 0: none
     bool tiles = false;  // device: samples of whole rows, in tiles (push.tileRows); not with `list`

@@ -62,6 +62,8 @@ public:
         }
         gpu::Children next = gpu::childrenOf(ray.direction, bends, within, m.reflect, m.transmit, m.index, m.inverseIndex, ray.weight,
                                              ray.depth, push_.maxDepth, push_.minWeight);
+        next.mirror = next.mirror && (choices_.mirrors || choices_.passes);
+        next.pass = next.pass && choices_.passes;
         if (mesh) next.passDirection = gpu::onSideOf(next.passDirection, -geometric, gpu::leastSlope(ray.direction, geometric));
         const uint32_t mirrorKey = gpu::keyOfChild(ray.key, gpu::kCountReflected), passKey = gpu::keyOfChild(ray.key, gpu::kCountRefracted);
         if (choices_.jitterMirror > 0)
@@ -210,7 +212,7 @@ private:
             gpu::ShadowRay shadowRay = gpu::shadowRayTo(position, q);
             float share = 0;
             if (gpu::dot3(n, shadowRay.direction) > 0.0f && gpu::dot3(geometric, shadowRay.direction) > 0.0f) {
-                ++counters_[(ray.depth - 1) * gpu::kCountKinds + gpu::kCountShadowRays];
+                if (choices_.shadows) ++counters_[(ray.depth - 1) * gpu::kCountKinds + gpu::kCountShadowRays];
                 if (choices_.jitterShadow > 0)
                     shadowRay.direction = gpu::jittered(shadowRay.direction, geometric, choices_.jitterShadow,
                                                         gpu::keyOfChild(ray.key, gpu::kFirstShadowKey + uint32_t(i)));

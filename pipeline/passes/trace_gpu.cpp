@@ -21,20 +21,13 @@ constexpr size_t kUnrolledSpheres = 24, kUnrolledPlanes = 2, kHeldSpheres = 4;
 constexpr uint32_t kMostSamples = 4;    // most samples of an invocation
 constexpr uint64_t kLoopSteps = 50000;  // most loop steps of all its samples; lavapipe ends loops after 65,535
 constexpr size_t kFewLights = 4;        // with more lights each shadow ray walks the BVH by itself: all those steps for one sample
-// True when some hit may send on a ray of this share.
-bool sends(const gpu::TracePush& push, const TraceScene& scene, float gpu::TraceMaterial::*share) {
-    return push.maxDepth > 1 &&
-           std::any_of(scene.materials.begin(), scene.materials.end(), [&](const gpu::TraceMaterial& m) { return m.*share > 0; });
-}
+// True when some hit may send a ray on.
+bool sends(const gpu::TracePush& push, const TraceChoices& choices) { return push.maxDepth > 1 && (choices.mirrors || choices.passes); }
 }  // namespace
 
 uint32_t samplesOfInvocation(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices) {
     if (!choices.tiles || choices.list) return 1;
-    if (walksTogether(scene, choices.lanes))
-        return scene.lights.size() > kFewLights || sends(push, scene, &gpu::TraceMaterial::reflect) ||
-                       sends(push, scene, &gpu::TraceMaterial::transmit)
-                   ? 1
-                   : 2;
+    if (walksTogether(scene, choices.lanes)) return scene.lights.size() > kFewLights || sends(push, choices) ? 1 : 2;
     if (!scene.nodes.empty()) return 1;
     const uint64_t objects = scene.spheres.size() + scene.planes.size() + 2;
     const uint64_t steps = (objects + 1) * (scene.lights.size() + 1) * push.maxDepth;
@@ -66,11 +59,10 @@ void recordTrace(Recorder& recorder, const gpu::TracePush& push, const TraceScen
     constants["kSpheres"] = spheres <= kUnrolledSpheres ? uint32_t(spheres) : ~0u;
     constants["kBoards"] = planes <= kUnrolledPlanes ? uint32_t(planes) : ~0u;
     constants["kHeldSpheres"] = spheres <= kHeldSpheres ? 1u : spheres <= kUnrolledSpheres && choices.lanes && !choices.list ? 2u : 0u;
-    const bool refracts = sends(push, scene, &gpu::TraceMaterial::transmit);
     constants["kLanes"] = std::max(1u, choices.lanes);
     constants["kLights"] = !scene.lights.empty();
-    constants["kChildren"] = refracts || sends(push, scene, &gpu::TraceMaterial::reflect);
-    constants["kRefracts"] = refracts;
+    constants["kChildren"] = sends(push, choices);
+    constants["kRefracts"] = push.maxDepth > 1 && choices.passes;
     constants["kEyeTogether"] = walksTogether(scene, choices.lanes);
     constants["kTiles"] = choices.tiles;
     constants["kDeep"] = scene.depth > choices.lanes;

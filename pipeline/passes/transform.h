@@ -14,7 +14,8 @@ namespace plumb {
 // World normals that a transform leaves in `attributes`.
 enum class Normals : uint32_t { none, direction, unit };
 
-// Input and output of the more accurate transforms: records of the objects, and clip-space x, y, w of the vertices.
+// Input and output of the more accurate transforms: records of the objects, and clip-space x, y, w of the vertices, with 1 behind them. A
+// clip-space vector of zeros is that of a vertex in float32, which clipping computes again.
 struct LongTransform {
     Precision precision = Precision::fp32;  // fp32: the other fields are not read
     std::span<const gpu::LongRecord> records;

@@ -16,7 +16,7 @@ void transformCpu(const gpu::TransformPush& push, Normals writeNormals, std::spa
             if (longer.precision != Precision::fp32) {
                 const gpu::LongRecord& record = longer.records[push.object];
                 clip = longer.precision == Precision::fp64 ? gpu::doubleClip(record, p) : gpu::blockClip(record, p);
-                longer.clipSpace[i] = glm::vec4(clip, 0.0f);
+                longer.clipSpace[i] = glm::vec4(clip, 1.0f);
             }
             screen[i] = gpu::project(clip.x, clip.y, clip.z, push.viewport);
             if (writeNormals == Normals::none) continue;

@@ -2,6 +2,7 @@
 #include "pipeline/render/draw_list_of.h"
 
 #include "pipeline/passes/long_rows.h"
+#include "pipeline/render/drops.h"
 #include "pipeline/scene/flattened.h"
 #include "pipeline/scene/text.h"
 
@@ -12,6 +13,7 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace plumb {
@@ -76,26 +78,6 @@ gpu::ObjectRecord recordOf(const glm::dmat4& worldFromMesh, const Pinhole& v) {
     return o;
 }
 
-// All eight corners of the box beyond one side of the view, by a margin that covers the rounding of the passes (a pixel).
-bool outsideView(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh, const Pinhole& v) {
-    int beyond[5] = {0, 0, 0, 0, 0};
-    for (int i = 0; i < 8; ++i) {
-        const glm::dvec3 corner(i & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, i & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
-                                i & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
-        const glm::dvec3 p = glm::dvec3(worldFromMesh * glm::dvec4(corner, 1)) - v.eye;
-        const double x = glm::dot(v.right, p) * v.focal, y = glm::dot(v.down, p) * v.focal, w = glm::dot(v.forward, p);
-        const double halfX = v.width / 2 + 1, halfY = v.height / 2 + 1;
-        beyond[0] += w < v.near * (1 - 1e-6);
-        beyond[1] += x + halfX * w < -1e-5 * halfX * std::abs(w);
-        beyond[2] += halfX * w - x < -1e-5 * halfX * std::abs(w);
-        beyond[3] += y + halfY * w < -1e-5 * halfY * std::abs(w);
-        beyond[4] += halfY * w - y < -1e-5 * halfY * std::abs(w);
-    }
-    for (int side : beyond)
-        if (side == 8) return true;
-    return false;
-}
-
 // False for what is further from the eye than the passes count.
 bool reaches(const gpu::ObjectRecord& o, const TriangleMesh& mesh, double focal) {
     const auto reach = [&](const glm::vec4& row) {
@@ -127,8 +109,9 @@ Light lampFromCentre(const Light& light, const Camera& camera) {
 ListBuilder::ListBuilder(const Scene& scene, const RenderRequest& request, const Pinhole& view, Prepared& prepared)
     : scene_(scene), request_(request), view_(view), p_(prepared), list_(prepared.list), slots_(scene.materials.size(), kNone) {}
 
-bool ListBuilder::isOutside(const Object& object) const {
-    return outsideView(scene_.meshes[object.mesh], worldFromMesh(scene_, object), view_);
+void ListBuilder::setPrecisions(std::vector<Precision> precisions) {
+    precisions_ = std::move(precisions);
+    list_.anyLong = std::any_of(precisions_.begin(), precisions_.end(), [](Precision p) { return p != Precision::fp32; });
 }
 
 // Front faces run counter-clockwise as seen in a right-handed world, clockwise in a left-handed one; a mirror swaps.
@@ -141,11 +124,12 @@ void ListBuilder::addObjects(bool keepOutside) {
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         p_.counters.vertices += mesh.positions.size();
         p_.counters.triangles += mesh.triangles.size();
-        const bool outside = !request_.knobs.keepEverything && isOutside(object);
-        if (!outside) ++inside;
-        if (outside && !(keepOutside && reaches(recordOf(worldFromMesh(scene_, object), view_), mesh, view_.focal)))
-            p_.plan.dropped.push_back(
-                {fmt::format("object {}", object.name.empty() ? std::to_string(i) : object.name), "outside the view"});
+        const DropRow* left = p_.leftOut[i];
+        if (left == nullptr || left != &dropRow("outside")) ++inside;
+        if (left != nullptr && !(keepOutside && reaches(recordOf(worldFromMesh(scene_, object), view_), mesh, view_.focal)))
+            stateDrop(*left, p_.plan, fmt::format("object {}", object.name.empty() ? std::to_string(i) : object.name),
+                      left == &dropRow("outside") ? "outside the view" : "wholly behind a face of another object",
+                      countOf(mesh.positions.size(), "vertex", "vertices"));
         else
             addObject(i);
     }
@@ -158,7 +142,7 @@ bool ListBuilder::placeObjects() {
     std::vector<bool> listed(scene_.objects.size()), outside(scene_.objects.size());
     for (const DrawList::Range& r : list_.ranges) listed[r.sceneObject] = true;
     for (size_t i = 0; i < listed.size(); ++i) {
-        outside[i] = isOutside(scene_.objects[i]);
+        outside[i] = p_.leftOut[i] != nullptr;
         const bool missing = !outside[i] && !listed[i], needless = outside[i] && listed[i];
         if (missing || (needless && exactly)) return false;
     }
@@ -169,8 +153,9 @@ bool ListBuilder::placeObjects() {
         const TriangleMesh& mesh = scene_.meshes[object.mesh];
         const glm::dmat4 toWorld = worldFromMesh(scene_, object);
         if (isTurned(toWorld) != r.turned) return false;
+        if (!precisions_.empty() && precisions_[r.sceneObject] != r.precision) return false;
         list_.objects[r.record] = recordOf(toWorld, view_);
-        if (list_.precision != Precision::fp32) list_.longs[r.record] = longRecordOf(toWorld, mesh, view_);
+        if (r.precision != Precision::fp32) list_.longs[r.record] = longRecordOf(toWorld, mesh, view_);
         if (!reaches(list_.objects[r.record], mesh, view_.focal)) return false;
         addCentres(mesh, toWorld);
     }
@@ -212,7 +197,8 @@ void ListBuilder::addObject(uint32_t index) {
         throw inputError(scene_.path, "the scene has more than 2^31 vertices or triangles");
     const glm::dmat4 toWorld = worldFromMesh(scene_, object);
     list_.objects.push_back(recordOf(toWorld, view_));
-    if (list_.precision != Precision::fp32) list_.longs.push_back(longRecordOf(toWorld, mesh, view_));
+    if (!precisions_.empty()) r.precision = precisions_[index];
+    if (list_.anyLong) list_.longs.push_back(r.precision != Precision::fp32 ? longRecordOf(toWorld, mesh, view_) : gpu::LongRecord{});
     if (!reaches(list_.objects.back(), mesh, view_.focal))
         throw inputError(locationOfPart(object.location, scene_.path, "object", object.name),
                          "it reaches further from the eye than 2^60 times the near plane: move the object or the camera, or change the "
@@ -263,10 +249,9 @@ void ListBuilder::addLights() {
 
 void ListBuilder::addLight(const Light& stated) {
     const Light light = request_.trade.vectors == Trade::Vectors::scene ? lampFromCentre(stated, *scene_.camera) : stated;
-    if (light.intensity == glm::vec3(0) && !request_.knobs.keepEverything) {
-        p_.plan.dropped.push_back({"light", "its intensity is 0"});
-        return;
-    }
+    if (light.intensity == glm::vec3(0) && !request_.knobs.keepEverything)
+        return stateDrop(dropRow("dark"), p_.plan, "", "its intensity is 0",
+                         fmt::format("1 of {} at each illumination", countOf(scene_.lights.size(), "light", "lights")));
     gpu::LightRecord l{};
     // Attenuation by 1/d^p with d in the passes' units: the intensity takes unit^p, a power of two.
     const double fade = light.directional ? 1 : std::pow(view_.unit, int(light.attenuation));

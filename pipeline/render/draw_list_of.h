@@ -16,10 +16,12 @@ class ListBuilder {
 public:
     ListBuilder(const Scene& scene, const RenderRequest& request, const Pinhole& view, Prepared& prepared);
 
-    // Every object with a part inside the view, and the counters of objects, vertices and triangles. keepEverything: every object. `keepOutside`:
+    // Number format of the vertices of each object of the scene; float32 without a call. Before addObjects() and placeObjects().
+    void setPrecisions(std::vector<Precision> precisions);
+    // Every object that prepared.leftOut does not name, and the counters of objects, vertices and triangles. `keepOutside`:
     // every object that the passes can count with, for other cameras.
     void addObjects(bool keepOutside = false);
-    // Places the objects of the list anew, for the scene's camera and matrices as they are. False: the list is not that of this view.
+    // Places the objects of the list anew, for the scene's camera and matrices as they are. False: the list is not that of this view, or an object needs another number format.
     bool placeObjects();
     // The materials of the scene's spheres.
     void addSphereMaterials();
@@ -30,7 +32,6 @@ private:
     void addStreams(const TriangleMesh& mesh);
     void addFaces(const TriangleMesh& mesh);
     void addCentres(const TriangleMesh& mesh, const glm::dmat4& worldFromMesh);
-    bool isOutside(const Object& object) const;
     bool isTurned(const glm::dmat4& worldFromMesh) const;
     void addLight(const Light& stated);
     uint32_t slotOf(uint32_t material);  // index into list.materials; appends the material when it is met first
@@ -40,7 +41,8 @@ private:
     const Pinhole& view_;
     Prepared& p_;
     DrawList& list_;
-    std::vector<uint32_t> slots_;  // index into list.materials of each material of the scene, or kNone
+    std::vector<Precision> precisions_;  // one an object of the scene; empty: float32
+    std::vector<uint32_t> slots_;        // index into list.materials of each material of the scene, or kNone
 };
 
 }  // namespace plumb

@@ -26,10 +26,24 @@ struct PlanStep {
 struct Plan {
     struct Drop {
         std::string what, why;
+        std::string row = {};    // name of its row of the table of drops (drops.h)
+        std::string saves = {};  // work that is not done, in words; empty: counters say it after drawing
     };
-    std::vector<PlanStep> steps;       // in order; their names differ
-    std::vector<Drop> dropped;         // steps that a picture of this kind has and this one does not need
-    std::vector<std::string> choices;  // e.g. "samples 4: the frame is drawn at 1280x960 and resolved"
+    // A default that this scene asks to be more accurate: the cheapest form whose bound holds here.
+    struct Raise {
+        std::string what;    // choice, e.g. "precision"
+        std::string of;      // object or part of the scene that asks for it
+        std::string to;      // form that is taken
+        std::string why;     // sentence with the bound of the usual form
+        double usual = 0;    // bound of the usual form, in `unit`; +infinity: none
+        double reached = 0;  // bound of the form that is taken
+        std::string unit;    // of both bounds
+    };
+    std::vector<PlanStep> steps;  // in order; their names differ
+    std::vector<Drop> dropped;    // steps that a picture of this kind has and this one does not need
+    std::vector<Raise> raised;
+    std::vector<std::string> warnings;  // what no form of this scene's numbers keeps
+    std::vector<std::string> choices;   // e.g. "samples 4: the frame is drawn at 1280x960 and resolved"
 
     std::vector<std::string> names() const;
     // Appends `step`, or does nothing where a step of its name is there.

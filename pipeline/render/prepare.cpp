@@ -3,6 +3,8 @@
 
 #include "pipeline/passes/encode.h"
 #include "pipeline/passes/resolve.h"
+#include "pipeline/render/bounds/vertex_arithmetic.h"
+#include "pipeline/render/drops.h"
 #include "pipeline/render/preparing.h"
 #include "pipeline/scene/text.h"
 
@@ -20,8 +22,13 @@ namespace plumb {
 
 namespace {
 
-// From here on a kernel with its lights unrolled pays for the time that it takes to make (decision 71).
-constexpr uint64_t kPixelsWorthUnrolling = uint64_t(1) << 23;
+// Error of a sum of lights above which a warning is given, in steps of an encoded channel.
+constexpr double kSumSteps = 0.25;
+// Bound of that error: k terms of one sign, added one after another, are off by k u of their sum. A step of sRGB is steepest for that at 1,
+// where its slope is 1.055 / 2.4.
+double stepsOfSum(size_t lights, Encoding encoding) {
+    return double(lights) * 0x1p-24 * 255 * (encoding == Encoding::srgb ? 1.055 / 2.4 : 1);
+}
 
 static_assert(Trade::kStandardDepth == gpu::kDepthStandard);
 
@@ -115,74 +122,73 @@ void refuseShapes(const Scene& scene) {
 }
 
 bool placeAgain(const Scene& scene, const RenderRequest& request, Prepared& p) {
+    const auto& dropped = p.plan.dropped;
+    // What one view of the scene lets a picture leave out, another may need.
+    const auto ofView = [](const Plan::Drop& d) { return d.row == "turned-away"; };
+    if (std::any_of(dropped.begin(), dropped.end(), ofView)) return false;
     const Pinhole view = viewOf(scene, request);
     setCanvas(view, request, p);
+    Plan stated = std::exchange(p.plan, {});  // by the first picture; what rows state here is not kept
+    Dropping dropping{scene, request, view, p, kWayRaster};
+    const bool hadNoCrossing = std::exchange(p.nothingCrosses, false);
+    walkDrops(DropStage::objects, dropping);
     ListBuilder list(scene, request, view, p);
-    if (!list.placeObjects()) return false;
-    if (p.list.lights.empty()) return true;
-    const std::vector<gpu::LightRecord> before = std::exchange(p.list.lights, {});
-    const size_t dropped = p.plan.dropped.size();
-    list.addLights();
-    p.plan.dropped.resize(dropped);  // lights without intensity are stated there already
-    return std::equal(before.begin(), before.end(), p.list.lights.begin(), p.list.lights.end(),
-                      [](const gpu::LightRecord& a, const gpu::LightRecord& b) { return a.kind == b.kind; });
+    list.setPrecisions(precisionsOf(vertexArithmetic(scene, request)));
+    bool same = list.placeObjects();
+    if (same && !p.list.lights.empty()) {
+        const std::vector<gpu::LightRecord> before = std::exchange(p.list.lights, {});
+        list.addLights();
+        walkDrops(DropStage::lights, dropping);
+        same = std::equal(before.begin(), before.end(), p.list.lights.begin(), p.list.lights.end(),
+                          [](const gpu::LightRecord& a, const gpu::LightRecord& b) { return a.kind == b.kind; });
+    }
+    if (hadNoCrossing) p.nothingCrosses = nothingCrosses(dropping);
+    same &= p.nothingCrosses == hadNoCrossing;
+    p.plan = std::move(stated);
+    return same;
 }
 
-Preparing::Preparing(const Scene& stated, const RenderRequest& asked, uint32_t shading)
-    : scene(stated), request(asked), view(viewOf(scene, request)), list(scene, request, view, p) {
+Preparing::Preparing(const Scene& stated, const RenderRequest& asked, uint32_t shading, uint32_t drawn)
+    : scene(stated), request(asked), way(drawn), view(viewOf(scene, request)), list(scene, request, view, p) {
     setCanvas(view, request, p);
     p.list.cullBackFaces = scene.cullBackFaces ? 1 : 0;
     p.counters.objects = scene.objects.size();
     setChoices(request, p.choices);
     p.choices.shading = shading;
+    p.choices.keepNormals = way == kWayRaster && shading != gpu::kShadingPhong;
     p.backgroundLinear = request.background;
     p.background = encodePixelCpu(p.choices.encoding, &request.background.x, request.transparent ? 0 : 255);
     findUndrawn(request.transparent, p);
     if (!request.stated.shading.empty()) p.plan.choices.push_back(request.stated.shading);
 }
 
+void Preparing::chooseArithmetic() {
+    const std::vector<VertexArithmetic> chosen = vertexArithmetic(scene, request);
+    list.setPrecisions(precisionsOf(chosen));
+    for (uint32_t i = 0; i < chosen.size(); ++i)
+        if (chosen[i].raised) p.plan.raised.push_back(raiseOf(scene, i, chosen[i]));
+}
+
 void Preparing::dropRays(const std::string& asked) {
     if (!asked.empty()) p.plan.dropped.push_back({"reflection and refraction", asked + "; only --shading ray traces them"});
+}
+
+void Preparing::drop(DropStage stage) {
+    Dropping dropping{scene, request, view, p, way};
+    walkDrops(stage, dropping);
+}
+
+void Preparing::addObjects(bool keepOutside) {
+    drop(DropStage::objects);
+    list.addObjects(keepOutside);
 }
 
 void Preparing::addLights() {
     if (p.list.materials.empty()) p.list.materials.push_back({});
     list.addLights();
-    if (p.choices.shading != gpu::kShadingUnlit) return;
+    if (p.choices.shading != gpu::kShadingUnlit) return drop(DropStage::lights);
     p.choices.parts = {false, false, false};
     p.list.lights.clear();
-}
-
-void Preparing::leaveOut() {
-    FillChoices& c = p.choices;
-    if (c.shading == gpu::kShadingUnlit || request.knobs.keepEverything) return;
-    const auto none = [](const glm::vec3& colour) { return colour == glm::vec3(0); };
-    bool diffuse = false, specular = false, point = false;
-    for (const gpu::MaterialRecord& m : p.list.materials) {
-        diffuse |= !none(m.diffuse);
-        specular |= !none(m.specular);
-    }
-    for (const gpu::LightRecord& l : p.list.lights) point |= l.kind != 0;
-    if (p.list.lights.empty() || (!diffuse && !specular)) {
-        p.plan.dropped.push_back({"illumination", p.list.lights.empty() ? "no light" : "no material reflects light"});
-        c.parts = {false, false, false};
-        p.list.lights.clear();
-        // Interpolating equal colours rounds: Gouraud keeps its colours of vertices, the others draw the base colour itself.
-        if (c.shading == gpu::kShadingGouraud) return;
-        c.shading = gpu::kShadingUnlit;
-        for (gpu::MaterialRecord& m : p.list.materials) m.diffuse = m.base;
-        return;
-    }
-    c.parts = {diffuse, specular, point, c.parts.power};
-    if (!diffuse) p.plan.dropped.push_back({"diffuse", "Kd is 0 everywhere"});
-    if (!specular) p.plan.dropped.push_back({"specular", "Ks is 0 everywhere"});
-    if (!point) p.plan.dropped.push_back({"surface position", "no point light"});
-    const bool manyPixels = request.repeated || uint64_t(p.width) * p.height >= kPixelsWorthUnrolling;
-    if (manyPixels && p.list.lights.size() <= gpu::kUnrolledLights) {
-        c.lightCount = uint32_t(p.list.lights.size());
-        c.lightKinds = kindsOf(p.list.lights);
-    }
-    c.oneMaterial = p.list.materials.size() == 1;
 }
 
 Prepared Preparing::finish() {
@@ -203,8 +209,8 @@ Prepared Preparing::finish() {
     if ((trade.vectors == Vectors::face || trade.vectors == Vectors::vertex) && p.choices.vectors == gpu::kVectorsPixel)
         plan.choices.push_back("light-vector: no pixel is lit by a direction of its own; nothing changes");
     if (trade.affine) plan.choices.push_back("interpolation: affine");
-    if (p.list.precision == Precision::blockInteger) plan.choices.push_back("transform: block-scaled integers, rounded to float32 once");
-    if (p.list.precision == Precision::fp64) plan.choices.push_back("transform: binary64, rounded to float32 at its end");
+    if (trade.precision == Precision::blockInteger) plan.choices.push_back("transform: block-scaled integers, rounded to float32 once");
+    if (trade.precision == Precision::fp64) plan.choices.push_back("transform: binary64, rounded to float32 at its end");
     if (trade.specular == Trade::Specular::native) plan.choices.push_back("specular: the device's own power (bounded)");
     if (trade.nativeEncode && request.encoding == Encoding::srgb) plan.choices.push_back("encode: the device's own power (bounded)");
     if (!trade.unitNormals)
@@ -217,6 +223,9 @@ Prepared Preparing::finish() {
         plan.choices.push_back(fmt::format("depth: fixed point of {} bits", trade.depthBits));
     if (trade.subpixelBits != 8) plan.choices.push_back(fmt::format("subpixel: {} bits", trade.subpixelBits));
     plan.choices.push_back(fmt::format("near plane at {}", view.near));
+    if (const double steps = stepsOfSum(p.list.lights.size(), request.encoding); steps > kSumSteps)
+        plan.warnings.push_back(
+            fmt::format("light: the sum of {} lights in float32 may be off by up to {:.2g} steps of 1/255", p.list.lights.size(), steps));
     return std::move(p);
 }
 

@@ -7,8 +7,17 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <vector>
 
 namespace plumb {
+
+struct DropRow;
+
+// Parts of the trace pass that a picture takes; the plan leaves out those that no ray needs.
+struct RayParts {
+    bool mirrors = true, passes = true;  // mirrored and refracted rays are sent on
+    bool shadows = true;                 // shadow rays meet something
+};
 
 struct Prepared {
     DrawList list;
@@ -21,6 +30,9 @@ struct Prepared {
     uint32_t undrawn = 0;  // encoded pixel of which no sample is drawn, as resolving leaves it
     glm::vec3 undrawnLinear{0};
     glm::vec3 rayOrigin{0}, rayX{0}, rayY{0};  // direction to sample (x, y): rayOrigin + rayX x + rayY y; shading takes those of `list`
+    RayParts rays;                             // traced pictures
+    bool nothingCrosses = false;               // true when no triangle is cut: the plan has no step for it
+    std::vector<const DropRow*> leftOut;       // of each object of the scene, the drop that leaves it out, or null
     Plan plan;
     RenderCounters counters;  // set are objects, vertices and triangles
 };

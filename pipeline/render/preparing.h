@@ -4,6 +4,7 @@
 
 #include "pipeline/render/camera.h"
 #include "pipeline/render/draw_list_of.h"
+#include "pipeline/render/drops.h"
 #include "pipeline/render/prepare.h"
 
 #include <cstdint>
@@ -28,22 +29,27 @@ bool placeAgain(const Scene& scene, const RenderRequest& request, Prepared& p);
 // scene that it draws and the steps of its plan.
 class Preparing {
 public:
-    // `shading`: gpu::kShading of what is lit.
-    Preparing(const Scene& scene, const RenderRequest& request, uint32_t shading);
+    // `shading`: gpu::kShading of what is lit. `way`: kWay bit of the table of drops.
+    Preparing(const Scene& scene, const RenderRequest& request, uint32_t shading, uint32_t way);
     Preparing(const Preparing&) = delete;
     Preparing& operator=(const Preparing&) = delete;
 
+    // Chooses the number format in which the vertices of each object are transformed, and states where that is more than float32.
+    void chooseArithmetic();
     // States in the plan that reflection and refraction are left out. `asked`: raysAskedBy(); empty: does nothing.
     void dropRays(const std::string& asked);
-    // Adds the lights, and a material where no object has one. Adds no light where nothing is lit.
+    // Adds the objects, but those that the table of drops leaves out; see ListBuilder::addObjects().
+    void addObjects(bool keepOutside = false);
+    // Adds the lights, but those that the table leaves out, and a material where no object has one. Adds no light where nothing is lit.
     void addLights();
-    // Leaves out the parts of illumination that no light or no material of the list needs.
-    void leaveOut();
+    // Walks the rows of the table of drops for a stage.
+    void drop(DropStage stage);
     // States the choices that every way to draw has, and hands over the picture.
     Prepared finish();
 
     const Scene& scene;
     const RenderRequest& request;
+    const uint32_t way;
     const Pinhole view;
     Prepared p;
     ListBuilder list;  // builder of p.list

@@ -19,6 +19,8 @@ RenderResult PreparedPicture::draw(Device* device) {
     result.counters = p_.counters;
     PlaneWriter writer(p_, request_, result.frame);
     draw(device, writer, result);
+    result.counters.transformed = p_.list.positions.size();
+    result.counters.lightsAdded = result.counters.illuminations * p_.list.lights.size();
     result.plan.close(result.times);
     return result;
 }

@@ -45,6 +45,7 @@ struct TestKnobs {
     uint32_t bandRows = 0;        // most rows of pixels in one band
     uint32_t rayLimit = 0;        // most rays that a sample follows in one dispatch; above 0 the list form traces them
     bool keepEverything = false;  // nothing is dropped that a plan would drop
+    bool float32Only = false;     // no object is transformed in more than float32; changes bytes
 };
 
 struct RenderRequest {
@@ -75,6 +76,8 @@ struct RenderRequest {
 struct RenderCounters {
     uint64_t objects = 0, objectsDrawn = 0, vertices = 0, triangles = 0;  // of the scene; objectsDrawn: those with something in the view
     uint64_t culledBackFace = 0, culledZeroArea = 0, culledOutside = 0, clipped = 0, drawnTriangles = 0;
+    uint64_t transformed = 0;            // vertices of triangles and lines that are transformed, each as often as it is
+    uint64_t lightsAdded = 0;            // lights added up at illuminations before rays: illuminations times the lights of the plan
     uint64_t illuminations = 0;          // flat: faces, Gouraud: vertices, Phong: shaded samples
     uint64_t polygons = 0, normals = 0;  // fill notes: faces met; a normal a face, and one a corner where corners are shaded
     uint64_t chunks = 0, bands = 0, binEntries = 0, edges = 0;

@@ -98,8 +98,8 @@ public:
         for (const DrawList::Range& r : list.ranges) {
             const gpu::ObjectRecord& o = list.objects[r.record];
             for (uint32_t v = r.firstVertex; v < r.firstVertex + r.vertexCount; ++v) {
-                const double w = list.precision == Precision::fp32 ? alongRow(o.rowW, list.positions[v]) + double(o.rowW.w)
-                                                                   : alongLongRow(list.longs[r.record].w, list.positions[v]);
+                const double w = r.precision == Precision::fp32 ? alongRow(o.rowW, list.positions[v]) + double(o.rowW.w)
+                                                                : alongLongRow(list.longs[r.record].w, list.positions[v]);
                 if (g_.screen[v].outcode == 0) z_[v] = double(list.viewport.near) / w;
                 attributes_[v] =
                     gouraud ? lit(o, list.positions[v], list.normals[v], list.vertexMaterial[v]) : normalOf(o, list.normals[v]);

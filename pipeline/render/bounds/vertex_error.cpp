@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/bounds/vertex_error.h"
 
+#include "pipeline/render/bounds/vertex_arithmetic.h"
 #include "pipeline/render/technique.h"
 #include "pipeline/scene/camera.h"
 #include "pipeline/scene/plain_floats.h"
@@ -245,61 +246,56 @@ private:
     Row rowX_, rowY_, rowW_;
 };
 
-Arithmetic arithmeticOf(const Technique& technique, const RenderRequest& request) {
+Arithmetic arithmeticOf(const Technique& technique, Precision precision) {
     switch (technique.vertices) {
         case Technique::Vertices::none:
             return Arithmetic::ray;
-        case Technique::Vertices::linesPass:
-            return Arithmetic::fp32;
         case Technique::Vertices::host:
             return Arithmetic::host;
+        case Technique::Vertices::linesPass:
         case Technique::Vertices::transformPass:
             break;
     }
-    return request.trade.precision == Precision::fp64           ? Arithmetic::fp64
-           : request.trade.precision == Precision::blockInteger ? Arithmetic::blockInteger
-                                                                : Arithmetic::fp32;
-}
-
-VertexError errorOf(const Scene& scene, const RenderRequest& request, uint32_t object, double enough) {
-    const Technique& technique = techniqueOf(scene, request);
-    VertexError e{object, Bound(scene, request, object, arithmeticOf(technique, request)).most(enough), 0};
-    e.inBinary64 = e.pixels > enough && technique.vertices == Technique::Vertices::transformPass
-                       ? std::min(e.pixels, Bound(scene, request, object, Arithmetic::fp64).most(enough))
-                       : e.pixels;
-    return e;
+    return precision == Precision::fp64           ? Arithmetic::fp64
+           : precision == Precision::blockInteger ? Arithmetic::blockInteger
+                                                  : Arithmetic::fp32;
 }
 
 }  // namespace
 
+double vertexPixels(const Scene& scene, const RenderRequest& request, uint32_t object, Precision precision, double enough) {
+    return Bound(scene, request, object, arithmeticOf(techniqueOf(scene, request), precision)).most(enough);
+}
+
+std::string quotedObject(const Scene& scene, uint32_t index) {
+    const Object& object = scene.objects[index];
+    return object.name.empty() ? fmt::format("object {}", index) : fmt::format("'{}'", printable(object.name, 64));
+}
+
+std::string upTo(double pixels) { return std::isfinite(pixels) ? fmt::format("up to {:.2g} px", pixels) : std::string("any distance"); }
+
 VertexError vertexErrorOf(const Scene& scene, const RenderRequest& request, uint32_t object) {
     const PlainFloats plain;
-    return errorOf(scene, request, object, 0);
+    return {object, vertexPixels(scene, request, object, vertexArithmetic(scene, request)[object].precision, 0)};
 }
 
 std::vector<VertexError> vertexErrors(const Scene& scene, const RenderRequest& request) {
     const PlainFloats plain;
-    PLUMB_ASSERT(scene.camera.has_value());
+    const std::vector<VertexArithmetic> drawn = vertexArithmetic(scene, request);
     std::vector<VertexError> errors;
-    for (uint32_t i = 0; i < scene.objects.size(); ++i) {
-        const VertexError e = errorOf(scene, request, i, kToldPixels);
-        if (e.pixels > kToldPixels) errors.push_back(e);
+    for (uint32_t i = 0; i < drawn.size(); ++i) {
+        const double pixels = vertexPixels(scene, request, i, drawn[i].precision, kToldPixels);
+        if (pixels > kToldPixels) errors.push_back({i, pixels});
     }
     return errors;
 }
 
 std::string sentenceOf(const Scene& scene, const VertexError& error) {
-    const auto far = [](double pixels) {
-        return std::isfinite(pixels) ? fmt::format("up to {:.2g} px", pixels) : std::string("any distance");
-    };
-    const Object& object = scene.objects[error.object];
-    const TriangleMesh& mesh = scene.meshes[object.mesh];
+    const TriangleMesh& mesh = scene.meshes[scene.objects[error.object].mesh];
     const dvec3 size = dvec3(mesh.boundsMax) - dvec3(mesh.boundsMin);
-    const std::string name =
-        object.name.empty() ? fmt::format("object {}", error.object) : fmt::format("object '{}'", printable(object.name, 64));
-    const std::string moved = fmt::format("{}: float32 may move a vertex in this view by {}", name, far(error.pixels));
-    if (error.inBinary64 <= kToldPixels) return moved + fmt::format("; --trade transform=fp64 keeps it within {:.2g} px", error.inBinary64);
-    return moved + fmt::format("; its mesh is {:g} across, and the view shows a small part of it", std::max({size.x, size.y, size.z}));
+    const bool named = !scene.objects[error.object].name.empty();
+    return fmt::format("{}{}: float32 may move a vertex in this view by {}; its mesh is {:g} across, and the view shows a small part of it",
+                       named ? "object " : "", quotedObject(scene, error.object), upTo(error.pixels), std::max({size.x, size.y, size.z}));
 }
 
 }  // namespace plumb

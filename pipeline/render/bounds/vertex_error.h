@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Bound of how far float32 may move a vertex on the screen, computed before anything is drawn. The vertex's right position follows from the
-// file, the object's matrix and the camera. Snapping to 1/256 px comes on top (docs/accuracy.md).
+// Bound of how far arithmetic may move a vertex on the screen, computed before anything is drawn.
+// The vertex's right position follows from the file, the object's matrix and the camera. Snapping to 1/256 px comes on top
+// (docs/derivations.md, Vertices).
 #pragma once
 
 #include "pipeline/render/render.h"
@@ -18,14 +19,17 @@ struct VertexError {
     uint32_t object = 0;  // index in the scene
     // Error in pixels, the larger of x and y, over the parts of the object's triangles in the view. +infinity: the bound reaches depth 0.
     double pixels = 0;
-    double inBinary64 = 0;  // error with --trade transform=fp64; equal to `pixels` where the request cannot choose it
 };
 
 // Errors of the objects that exceed kToldPixels; the others are left out.
 std::vector<VertexError> vertexErrors(const Scene& scene, const RenderRequest& request);
 // Error of one object, also below kToldPixels; for tests.
 VertexError vertexErrorOf(const Scene& scene, const RenderRequest& request, uint32_t object);
-// Error as one sentence for the user.
+// Bound of one object in a format. Where all of it stays within `enough`, a bound that need not be the least.
+double vertexPixels(const Scene& scene, const RenderRequest& request, uint32_t object, Precision precision, double enough);
+std::string quotedObject(const Scene& scene, uint32_t object);  // "'terrain'", or "object 3" without a name
+std::string upTo(double pixels);                                // "up to 3.1 px", or "any distance"
+// Warning for people.
 std::string sentenceOf(const Scene& scene, const VertexError& error);
 
 }  // namespace plumb

@@ -18,11 +18,11 @@ void refusePolygons(const Scene& scene, const RenderRequest& request) {
 }
 
 Prepared preparePolygons(const Scene& scene, const RenderRequest& request, RunsOn side) {
-    Preparing it(scene, request, shadingOf(request));
+    Preparing it(scene, request, shadingOf(request), kWayPolygons);
     it.dropRays(raysAskedBy(scene));
-    it.list.addObjects();
+    it.addObjects();
     it.addLights();
-    it.leaveOut();
+    it.drop(DropStage::illumination);
     const bool atPixels = it.p.choices.shading == gpu::kShadingPhong;
     StepList steps(request, it.p, side);
     steps.addOnHost("project", "corners to whole pixels, by the notes' projection");

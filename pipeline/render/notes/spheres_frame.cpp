@@ -135,11 +135,11 @@ void refuseSpheres(const Scene& scene, const RenderRequest& request) {
 }
 
 Prepared prepareSpheres(const Scene& scene, const RenderRequest& request, RunsOn side) {
-    Preparing it(scene, request, gpu::kShadingPhong);
+    Preparing it(scene, request, gpu::kShadingPhong, kWaySpheres);
     it.list.addSphereMaterials();
     it.dropRays(raysAskedByMaterials(scene));
     it.addLights();
-    it.leaveOut();
+    it.drop(DropStage::illumination);
     StepList steps(request, it.p, side);
     steps.add("spheres", "the nearest sphere of each pixel and its illumination, in parallel projection");
     steps.addColours(1, RunsOn::host, "");

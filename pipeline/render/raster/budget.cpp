@@ -31,7 +31,7 @@ bool Budget::holdsWhole(const DrawList& list, uint32_t planes) const {
     if (reserved(vertices) > std::min(limits_.storageRangeBytes / sizeof(glm::vec4), limits_.texelElements)) return false;
     if (reserved(std::max(triangles, faces)) > limits_.texelElements) return false;
     // Bytes of upload() and of the lists, if every triangle were drawn and in two tiles; then the bytes of a band's buffers.
-    const uint64_t perVertex = (list.precision == Precision::fp32 ? 4 : 5) * sizeof(glm::vec4) + sizeof(uint32_t);
+    const uint64_t perVertex = (list.anyLong ? 5 : 4) * sizeof(glm::vec4) + sizeof(uint32_t);
     const uint64_t perTriangle =
         (list.faceCentres.empty() ? 0 : sizeof(glm::vec4)) + sizeof(glm::uvec4) + sizeof(gpu::DrawTriangle) + 3 * sizeof(uint32_t);
     const uint64_t perFace = 3 * sizeof(glm::vec4) + sizeof(uint32_t);

@@ -20,7 +20,10 @@ void Geometry::upload(const DrawList& chunk) {
     put<glm::vec4>(device_, positions_, chunk.positions, "positions");
     put<glm::vec4>(device_, normals_, chunk.normals, "normals");
     put<glm::uvec4>(device_, triangles_, chunk.triangles, "triangles");
-    if (chunk.precision != Precision::fp32) clipSpace_.reserve(device_, std::max<uint64_t>(1, chunk.positions.size()), "clip space");
+    if (chunk.anyLong) {
+        clipSpace_.reserve(device_, std::max<uint64_t>(1, chunk.positions.size()), "clip space");
+        clipSpace_.fill(0);  // of vertices in float32
+    }
     put<gpu::MaterialRecord>(device_, materials_, chunk.materials, "materials");
     std::vector<uint32_t> materialOf(chunk.triangles.size());
     const bool flat = prepared_.choices.shading == gpu::kShadingFlat;
@@ -44,7 +47,7 @@ void Geometry::uploadView(bool objects) {
     const DrawList& chunk = *chunk_;
     if (objects) attributesAreNormals_ = false;
     put<gpu::ObjectRecord>(device_, objects_, chunk.objects, "objects");
-    if (chunk.precision != Precision::fp32) put<gpu::LongRecord>(device_, longs_, chunk.longs, "long rows");
+    if (chunk.anyLong) put<gpu::LongRecord>(device_, longs_, chunk.longs, "long rows");
     put<gpu::LightRecord>(device_, lights_, chunk.lights, "lights");
     std::vector<glm::vec4> centres(chunk.faceCentres.empty() ? 1 : chunk.triangles.size());
     if (!chunk.faceCentres.empty())
@@ -57,16 +60,16 @@ void Geometry::transformAndCull(bool normals) {
     const bool gouraud = choices.shading == gpu::kShadingGouraud && !normals;
     // World normals do not depend on the camera, so they stay from picture to picture of one upload.
     const bool wantNormals = choices.shading == gpu::kShadingPhong || normals;
-    const bool writeNormals = wantNormals && !attributesAreNormals_;
+    const bool writeNormals = (wantNormals && !attributesAreNormals_) || choices.keepNormals;
     for (const DrawList::Range& r : chunk_->ranges) {
         if (r.vertexCount == 0) continue;
         const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, chunk_->viewport};
         const Normals written = writeNormals ? normalsOfTransform(choices, normals) : Normals::none;
-        if (chunk_->precision == Precision::fp32)
+        if (r.precision == Precision::fp32)
             recordTransform(recorder_, push, written, {}, positions_, normals_, objects_, screen_, attributes_);
         else
             recordLongTransform(recorder_, device_, push, written, {}, positions_, normals_, objects_, screen_, attributes_,
-                                {chunk_->precision, longs_, clipSpace_});
+                                {r.precision, longs_, clipSpace_});
         const uint32_t lightCount = uint32_t(chunk_->lights.size());
         if (gouraud)
             recordIlluminate(recorder_, {0, r.firstVertex, r.vertexCount, r.record, 0, lightCount, chunk_->towardViewer}, choices.parts, {},
@@ -109,8 +112,7 @@ void Geometry::setUp(const SetupTiles& tiles) {
     put<gpu::ClipJob>(device_, jobs_, slots_.jobs, "clip jobs");
     kinds_.reserve(device_, slots_.jobs.size(), "clip kinds");
     recordClip(recorder_, {0, uint32_t(slots_.jobs.size()), chunk_->cullBackFaces, chunk_->frame, chunk_->viewport}, {}, triangles_,
-               positions_, objects_, jobs_, screen_, attributes_, draws_, kinds_,
-               chunk_->precision == Precision::fp32 ? nullptr : &clipSpace_);
+               positions_, objects_, jobs_, screen_, attributes_, draws_, kinds_, chunk_->anyLong ? &clipSpace_ : nullptr);
     recorder_.run(watchdogMs_);
     for (size_t j = 0; j < slots_.jobs.size(); ++j) {
         wide_ |= kinds_.span()[j] & 1;

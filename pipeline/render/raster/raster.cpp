@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/raster/raster.h"
 
+#include "host/binary64.h"
+#include "pipeline/render/bounds/vertex_arithmetic.h"
 #include "pipeline/render/preparing.h"
 #include "pipeline/render/raster/device_render.h"
 #include "pipeline/render/raster/stages.h"
@@ -8,9 +10,12 @@
 #include "pipeline/render/rays/rays.h"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace plumb {
 
@@ -53,7 +58,7 @@ void chooseAtPixels(const Trade& trade, Prepared& p) {
 }
 
 void planSteps(const RenderRequest& request, RunsOn side, Prepared& p) {
-    if (p.list.triangles.empty()) return p.plan.dropped.push_back({"every pass", "nothing to draw"});
+    if (p.list.triangles.empty()) return stateDrop(dropRow("nothing"), p.plan, "", "nothing to draw", "");
     StepList steps(request, p, side);
     addSurfaceSteps(steps, p, true);
     const char* shades = p.choices.shading == gpu::kShadingPhong ? "illumination at each sample"
@@ -66,32 +71,55 @@ void planSteps(const RenderRequest& request, RunsOn side, Prepared& p) {
 }
 
 Prepared prepareRaster(const Scene& scene, const RenderRequest& request, RunsOn side) {
-    Preparing it(scene, request, shadingOf(request));
-    it.p.list.precision = request.trade.precision;
+    Preparing it(scene, request, shadingOf(request), kWayRaster);
     it.dropRays(raysAskedBy(scene));
-    it.list.addObjects(request.repeated && !(request.planes & kPlaneTriangle));
+    it.chooseArithmetic();
+    it.addObjects(request.repeated && !(request.planes & kPlaneTriangle));
     it.addLights();
-    it.leaveOut();
+    it.drop(DropStage::illumination);
     chooseAtPixels(request.trade, it.p);
+    if (!it.p.list.triangles.empty()) it.drop(DropStage::steps);
     planSteps(request, side, it.p);
-    if (it.p.choices.shading != gpu::kShadingPhong) it.p.plan.dropped.push_back({"normals", "no pixel is shaded by its normal"});
     return it.finish();
+}
+
+// Binary64 that this scene asks for, on a device that lacks it: block-scaled integers are the next best, on every device. A stated
+// transform=fp64 is refused by the transform pass instead.
+void keepTo(Device& device, const RenderRequest& request, Prepared& p) {
+    const auto isLong = [](const DrawList::Range& r) { return r.precision == Precision::fp64; };
+    std::vector<DrawList::Range>& ranges = p.list.ranges;
+    if (request.trade.precision == Precision::fp64 || std::none_of(ranges.begin(), ranges.end(), isLong)) return;
+    const std::string lacks = lacksBinary64(device);
+    if (lacks.empty()) return;
+    for (DrawList::Range& r : ranges)
+        if (isLong(r)) r.precision = Precision::blockInteger;
+    for (Plan::Raise& raise : p.plan.raised) {
+        if (raise.to != wordOf(Precision::fp64)) continue;
+        raise.to = wordOf(Precision::blockInteger);
+        p.plan.warnings.push_back(fmt::format("precision: {} needs binary64 and is drawn in block-scaled integers: {}", raise.of, lacks));
+    }
 }
 
 class RasterPicture : public PreparedPicture {
 public:
     using PreparedPicture::PreparedPicture;
     std::unique_ptr<ResidentPicture> stay(Device& device) override {
+        keepTo(device, request_, p_);
         return DeviceRender::stays(p_, request_) ? std::make_unique<DeviceRender>(device, p_, request_) : nullptr;
     }
     bool place() override { return placeAgain(scene_, request_, p_); }
-    void verifyStages(Device& device, StageCheck& check) override { verifyRasterStages(device, p_, request_, check); }
+    void verifyStages(Device& device, StageCheck& check) override {
+        keepTo(device, request_, p_);
+        verifyRasterStages(device, p_, request_, check);
+    }
 
 private:
     void draw(Device* device, PlaneWriter& writer, RenderResult& result) override {
-        if (device != nullptr)
+        if (device != nullptr) {
+            keepTo(*device, request_, p_);
+            result.plan = p_.plan;
             DeviceRender(*device, p_, request_).draw(writer, result);
-        else if (p_.list.triangles.empty())  // the picture is the background, which the writer has put there
+        } else if (p_.list.triangles.empty())  // the picture is the background, which the writer has put there
             result.counters.bands = result.counters.chunks = 1;
         else
             drawRasterCpu(p_, request_, writer, result);
@@ -121,12 +149,13 @@ void addSurfaceSteps(StepList& steps, const Prepared& p, bool illuminated) {
     steps.add("cull", p.list.cullBackFaces ? "triangles that face away or lie outside the view are left out"
                                            : "triangles that lie outside the view are left out");
     steps.add("setup", steps.onDevice() ? "drawn triangles are listed, small ones in their tiles" : "drawn triangles are listed");
+    const char* cuts = "triangles that cross the near plane or leave the guard band are cut";
     if (steps.onDevice()) {
-        steps.add("clip", "triangles that cross the near plane or leave the guard band are cut");
+        if (!p.nothingCrosses) steps.add("clip", cuts);
         steps.add("bin", "medium triangles are listed in their tiles");
         steps.add("bin strips", "large triangles are listed in their tiles, strip by strip");
-    } else {
-        steps.addFused("clip", "setup", "triangles that cross the near plane or leave the guard band are cut");
+    } else if (!p.nothingCrosses) {
+        steps.addFused("clip", "setup", cuts);
     }
     steps.add("fill", "the nearest triangle of each sample");
 }

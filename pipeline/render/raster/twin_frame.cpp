@@ -20,11 +20,11 @@ void TwinPasses::transform() {
     const size_t vertices = list_.positions.size();
     g_.screen.resize(vertices);
     g_.attributes.resize(vertices);
-    if (list_.precision != Precision::fp32) g_.clipSpace.resize(vertices);
+    if (list_.anyLong) g_.clipSpace.assign(vertices, glm::vec4(0));
     for (const DrawList::Range& r : list_.ranges) {
         const gpu::TransformPush push{0, r.firstVertex, r.vertexCount, r.record, list_.viewport};
         transformCpu(push, normalsOfTransform(choices_, normals_), list_.positions, list_.normals, list_.objects, g_.screen, g_.attributes,
-                     threads_, {list_.precision, list_.longs, g_.clipSpace});
+                     threads_, {r.precision, list_.longs, g_.clipSpace});
     }
 }
 

@@ -20,7 +20,7 @@ struct TwinGeometry {
     DrawSlots slots;
     std::vector<gpu::DrawTriangle> draws;
     std::vector<uint32_t> clipKinds;
-    std::vector<glm::vec4> clipSpace;  // clip-space vertices, unless they are transformed in float32
+    std::vector<glm::vec4> clipSpace;  // clip-space vertices (transform.h) where some object is not transformed in float32
 };
 
 // The passes of the geometry. Each reads what those before it left in `geometry`. `normals`: attributes are world normals whatever the

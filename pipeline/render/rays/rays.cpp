@@ -76,8 +76,11 @@ void planChoices(const RenderRequest& request, Plan& plan) {
 }
 
 Prepared prepareRays(const Scene& scene, const RenderRequest& request, RunsOn side) {
-    Preparing it(scene, request, gpu::kShadingPhong);
+    Preparing it(scene, request, gpu::kShadingPhong, kWayRays);
     it.addLights();
+    it.drop(DropStage::illumination);
+    it.drop(DropStage::steps);
+    stateSphereForms(scene, it.p);
     StepList steps(request, it.p, side);
     steps.add("trace", "rays through each sample, and what they are followed by");
     steps.addColours(sharesCorners(request) ? 4 : it.p.side * it.p.side, side, steps.onDevice() ? "trace" : "");

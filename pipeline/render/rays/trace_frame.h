@@ -17,6 +17,10 @@ namespace plumb {
 TraceScene traceSceneOf(const Scene& scene, const Prepared& prepared);
 TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, const Prepared& prepared, const TraceScene& traced);
 
+// States in the plan where spheres ask for a form that is more accurate than the usual one: those that are far for their radius, or close to
+// the eye. Throws Error(input) as traceSceneOf().
+void stateSphereForms(const Scene& scene, Prepared& prepared);
+
 // Push constants of a frame. The caller sets the samples and the pitch of the buffers.
 gpu::TracePush tracePushOf(const Prepared& prepared, const RenderRequest& request, const TraceScene& traced);
 

@@ -56,6 +56,37 @@ public:
         return std::move(out_);
     }
 
+    // Adds the spheres, and states what they ask for. The other parts of the scene say how far a ray may come from.
+    void stateForms(Plan& plan) {
+        for (const SphereShape& s : scene_.spheres) addSphere(s);
+        float reach = 0;
+        for (const Object& object : scene_.objects) {
+            const glm::dmat4 toWorld = worldFromMesh(scene_, object);
+            for (const glm::vec3& position : scene_.meshes[object.mesh].positions) {
+                const glm::vec3 p = rounded((glm::dvec3(toWorld * glm::dvec4(position, 1)) - eye_) * unit_);
+                reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+            }
+        }
+        reach_ = std::max(reach_, 2 * reach);
+        constexpr double kUnit = 0x1p-24;
+        for (size_t i = 0; i < out_.spheres.size(); ++i) {
+            const double radius = out_.spheres[i].w, radii = double(reach_) * 2 / radius;
+            const double gap = std::abs(double(out_.powers[i])) / (2 * radius * radius);  // of the radius
+            const std::string name =
+                scene_.spheres[i].name.empty() ? fmt::format("sphere {}", i) : fmt::format("'{}'", printable(scene_.spheres[i].name, 64));
+            if (radii > kFarRadii)
+                plan.raised.push_back(
+                    {"spheres", name, "the point nearest to the centre in twice the precision",
+                     fmt::format("the usual form would be off by up to {:.2g} radii, seen from {:.3g}", (16 + radii) * kUnit, radii),
+                     (16 + radii) * kUnit, 16 * kUnit, "radii"});
+            if (gap < kCloseRadii)
+                plan.raised.push_back(
+                    {"spheres", name, "the eye's power from binary64",
+                     fmt::format("the usual form would be off by up to {:.2g} of the eye's distance from it", gap > 0 ? kUnit / gap : 1.0),
+                     gap > 0 ? kUnit / gap : 1.0, 5 * kUnit, "of the eye's distance"});
+        }
+    }
+
 private:
     // Value in float32; subnormal numbers are flushed, so that none reaches the device.
     static float rounded(double x) { return std::abs(x) < std::numeric_limits<float>::min() ? 0.0f : float(x); }
@@ -194,12 +225,18 @@ private:
 
 }  // namespace
 
+void stateSphereForms(const Scene& scene, Prepared& prepared) {
+    if (!scene.spheres.empty()) Records(scene, prepared).stateForms(prepared.plan);
+}
+
 TraceScene traceSceneOf(const Scene& scene, const Prepared& prepared) { return Records(scene, prepared).build(); }
 
 TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, const Prepared& prepared, const TraceScene& traced) {
     TraceChoices c;
     c.encoding = prepared.choices.encoding;
-    c.list = traced.branching || request.knobs.rayLimit != 0;
+    c.mirrors = prepared.rays.mirrors;
+    c.passes = prepared.rays.passes;
+    c.list = (traced.branching && c.mirrors && c.passes) || request.knobs.rayLimit != 0;
     c.sampling = sampleGridOf(prepared, request).sampling;
     c.side = prepared.side;
     c.jitterMirror = request.rays.jitterReflect;
@@ -208,11 +245,8 @@ TraceChoices traceChoicesOf(const Scene& scene, const RenderRequest& request, co
     c.cutLevels = request.rays.cutLevels;
     if (c.cutLevels && traced.branching)
         throw inputError(scene.path, "a material both reflects and refracts; --levels cut is of paths with one ray after another");
-    c.shadows = scene.shadows;
-    c.parts.specular = request.knobs.keepEverything;
-    c.parts.point = request.knobs.keepEverything;
-    for (const gpu::TraceMaterial& m : traced.materials) c.parts.specular |= m.specular.x + m.specular.y + m.specular.z > 0;
-    for (const gpu::LightRecord& l : traced.lights) c.parts.point |= l.kind != 0;
+    c.shadows = scene.shadows && prepared.rays.shadows;
+    c.parts = prepared.choices.parts;
     return c;
 }
 

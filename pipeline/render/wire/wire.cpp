@@ -184,6 +184,22 @@ void refuseWire(const Scene& scene, const RenderRequest& request) {
         throw usageError(fmt::format("--shading wire draws at most {0}x{0} samples", gpu::kLineFrameLimit));
 }
 
+// Projects the vertices of objects that need more than float32 on the host: what the lines pass multiplies is then clip space already.
+void projectLong(DrawList& list) {
+    for (const DrawList::Range& r : list.ranges) {
+        if (r.precision == Precision::fp32) continue;
+        const gpu::LongRecord& record = list.longs[r.record];
+        for (uint32_t v = r.firstVertex; v < r.firstVertex + r.vertexCount; ++v) {
+            const glm::vec3 p(list.positions[v]);
+            list.positions[v] = glm::vec4(r.precision == Precision::fp64 ? gpu::doubleClip(record, p) : gpu::blockClip(record, p), 1.0f);
+        }
+        gpu::ObjectRecord& o = list.objects[r.record];
+        o.rowX = {1, 0, 0, 0};
+        o.rowY = {0, 1, 0, 0};
+        o.rowW = {0, 0, 1, 0};
+    }
+}
+
 void addEdges(const Scene& scene, const RenderRequest& request, const Pinhole& view, DrawList& list) {
     const bool solid = request.wire == WireView::solid;
     const WireChoices choices{request.wirePerPolygon || solid, request.wire == WireView::culled};
@@ -199,12 +215,14 @@ void addEdges(const Scene& scene, const RenderRequest& request, const Pinhole& v
 }
 
 Prepared prepareWire(const Scene& scene, const RenderRequest& request, RunsOn side) {
-    Preparing it(scene, request, gpu::kShadingUnlit);
-    if (request.fill == Fill::exact) it.p.list.precision = request.trade.precision;
+    Preparing it(scene, request, gpu::kShadingUnlit, request.wire == WireView::solid ? kWayHiddenLines : kWayWire);
     it.dropRays(raysAskedBy(scene));
-    it.list.addObjects();
+    it.chooseArithmetic();
+    it.addObjects();
+    projectLong(it.p.list);
     addEdges(scene, request, it.view, it.p.list);
     it.addLights();
+    it.drop(DropStage::steps);
     StepList steps(request, it.p, side);
     if (request.wire == WireView::solid) {
         addSurfaceSteps(steps, it.p, false);
