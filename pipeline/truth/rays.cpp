@@ -54,7 +54,7 @@ struct AsDrawn {
 constexpr double kDrawnVague = 0x1p-6;     // errors above it are no longer of first order
 constexpr double kDrawnNothing = 0x1p-20;  // linear light: open decisions about less are part of the bound
 // Error of specularPower, and the least base of its power (shade.h).
-constexpr double kPowerError = (1.7e-7 + 4 * kSingle) / 2.718281828 + 7.5e-8 + 3 * kSingle, kPowerFloor = 0x1p-20;
+constexpr double kPowerError = (1.7e-7 + 4.5 * kSingle) / 2.718281828 + 7.5e-8 + 3 * kSingle, kPowerFloor = 0x1p-20;
 
 // Follows one tree of rays.
 template <class Arithmetic>

@@ -7,6 +7,7 @@
 #include "pipeline/render/raster/twin_frame.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/truth/highlight_error.h"
+#include "shared/bounds.h"
 #include "tests/oracle/coverage_oracle.h"
 #include "tests/oracle/fixed_function.h"
 #include "tests/oracle/screen_scene.h"
@@ -38,11 +39,11 @@ constexpr double kUnit = 0x1p-24;  // u, unit round-off of float32
 // the reciprocal of the area has 3 u (two roundings of the sum, one of the division), k 5 u (difference, product), e k 7 u (e rounded,
 // product) and rho k 6 u, so both parts together 7 u F; three additions of parts below F: 3 u F; the addition of z0 and the last one:
 // u z0 + u z. Second order is below 1 % of that.
-constexpr double kDepthErrorOfSpan = 10 * kUnit * 1.01, kDepthErrorOfSum = kUnit * 1.01;
+constexpr double kDepthErrorOfSpan = gpu::kDepthSpanUnits * kUnit, kDepthErrorOfSum = gpu::kDepthSumUnits * kUnit;
 
 // The vertices (transform.h): rows rounded once (1 u) and four products summed in order (4 u) of S = sum |m v|; the quotient, the added
 // centre, then half a sub-pixel.
-constexpr double kRowError = 5 * kUnit;
+constexpr double kRowError = gpu::kRowUnits * kUnit;
 constexpr double kSnapPixels = 0x1p-9;
 
 struct Drawn {
@@ -408,7 +409,7 @@ Real80 lengthOf(const Vector& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z 
 
 // Error of the interpolated normal's direction, over kappa = sum f w |n| / |sum f w n|: a component of an attribute has 4 u of its row, then
 // edge value 2 u, weight and products 2 u, two additions 2 u: 10 u a component, sqrt(3) for the vector.
-constexpr double kNormalError = 10 * kUnit * 1.7320508;
+constexpr double kNormalError = gpu::kAttributeUnits * kUnit * 1.7320508;
 // Length of a vector that unitVector left: squares and sums 3 u (half of it in the root), root 4 u, product 1 u.
 constexpr double kUnitLengthError = 6.5 * kUnit;
 // Ray: three rounded rows (1 u), two products and two sums (4 u) of the sum of magnitudes, a component; sqrt(3) for the vector.
@@ -417,7 +418,7 @@ constexpr double kRayError = 5 * kUnit * 1.7320508;
 constexpr double kDistanceError = 11 * kUnit;
 // Relative error of specularPower for exact delta: log2's polynomial (1.7e-7) and four roundings scale p, and s |ln s| <= 1/e;
 // exp2's polynomial (7.5e-8) and three roundings scale s.
-constexpr double kPowerError = (1.7e-7 + 4 * kUnit) / 2.718281828 + 7.5e-8 + 3 * kUnit;
+constexpr double kPowerError = (1.7e-7 + gpu::kLog2RoundingUnits * kUnit) / 2.718281828 + 7.5e-8 + gpu::kExp2RoundingUnits * kUnit;
 // 1 - delta is kept at 2^-20 or more.
 constexpr double kPowerFloor = 0x1p-20;
 

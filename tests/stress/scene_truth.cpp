@@ -31,7 +31,7 @@ constexpr double kNormalError = 10 * kUnit * kRoot3;
 constexpr double kUnitLengthError = 6.5 * kUnit;
 constexpr double kRayError = 5 * kUnit * kRoot3;
 constexpr double kDistanceError = 11 * kUnit;
-constexpr double kPowerError = (1.7e-7 + 4 * kUnit) / 2.718281828 + 7.5e-8 + 3 * kUnit;
+constexpr double kPowerError = (1.7e-7 + 4.5 * kUnit) / 2.718281828 + 7.5e-8 + 3 * kUnit;
 constexpr double kPowerFloor = 0x1p-20;
 constexpr double kFlushed = 0x1p-100;  // what underflow takes away, absolute
 // The bounds are of first order. Angles and shares above kSmall are left open; below, what is left out is less than an eighth.

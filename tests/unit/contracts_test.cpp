@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Decisions of the contracts that scenes hardly ever reach, asked directly.
+#include "shared/bounds.h"
 #include "shared/encode.h"
 #include "shared/fill.h"
 #include "shared/long_transform.h"
@@ -66,6 +67,25 @@ TEST(Vectors, ALampAtThePlaceShinesFromNowhere) {
         EXPECT_NEAR(beside.fade, std::exp2(attenuation), kFewUlp * std::exp2(attenuation));
     }
     EXPECT_EQ(lampFrom({0, 0, 1, 0}, 0, {5, 6, 7}).z, 1.0f) << "no place: the same direction from everywhere";
+}
+
+// Every significand at both exponents. The proof of the last step (reciprocal_root.g) starts from an error below 2^-16 after the two before.
+TEST(Vectors, ReciprocalRootIsWithinItsBound) {
+    constexpr double kUnit = 0x1p-24, kBeforeLast = 0x1p-16;
+    double worst = 0, worstReciprocal = 0, before = 0;
+    for (int bits = bitsOf(1.0f); bits < bitsOf(4.0f); ++bits) {
+        const float x = realOf(bits);
+        const double root = std::sqrt(double(x)), y = double(reciprocalRoot(x));
+        worst = std::max(worst, std::abs(y * root - 1));
+        worstReciprocal = std::max(worstReciprocal, std::abs(double(reciprocal(x)) * double(x) - 1));
+        float step = realOf(0x5f375a86 - (bits >> 1));
+        for (int i = 0; i < 2; ++i) step = step * ((x * -0.5f * step) * step + 1.5f);
+        before = std::max(before, std::abs(double(step) * root - 1));
+    }
+    EXPECT_LE(worst, kReciprocalRootUnits * kUnit);
+    EXPECT_LE(worstReciprocal, kReciprocalUnits * kUnit);
+    EXPECT_LE(before, kBeforeLast);
+    EXPECT_GT(worst, kUnit) << "nothing was measured";
 }
 
 TEST(Vectors, PlacesAndSharesAreThoseOfTheProjection) {

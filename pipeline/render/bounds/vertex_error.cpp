@@ -6,6 +6,7 @@
 #include "pipeline/scene/camera.h"
 #include "pipeline/scene/plain_floats.h"
 #include "pipeline/scene/text.h"
+#include "shared/bounds.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -27,7 +28,7 @@ using glm::dvec3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnit = 0x1p-24, kUnit64 = 0x1p-53;  // unit round-offs
 // float32 rounds each entry of a row, three products and three sums (long_transform.h: 4.01 u, and half an ULP of each entry).
-constexpr double kRow = 5.01 * kUnit;
+constexpr double kRow = gpu::kRowUnits * kUnit;
 // The composite in binary64: the origin through the matrix (three products and three sums), less the eye, along an axis (three products, two sums), the scale.
 constexpr double kComposite = 12 * kUnit64;
 // A cut of an edge is P + t (Q - P) in float32, t a quotient of two differences.
