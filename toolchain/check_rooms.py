@@ -4,7 +4,7 @@
 
 The order (a room may include itself and what stands before it):
 
-    shaders/shared < host < transform < choices < scene < passes < render < truth < measure, bench, fingerprint, image < library, compare, report < cli < command < tests
+    shaders/shared < host < transform < choices < scene < detail < passes < render < truth < measure, bench, fingerprint, image < library, compare, report < cli < command < tests
 
 Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
 render/ strings together. cli/ stands late and may include choices/ and scene/ only: it turns words into a request and knows nothing of passes;
@@ -36,6 +36,8 @@ ROOMS = {
         ["pipeline/choices", "host/error.h"], ["fmt"]),
     "pipeline/scene": ("what is to be drawn: readers of files, meshes, materials, lights, cameras",
         ["pipeline/scene", "pipeline/choices", "pipeline/transform", "host/error.h"], ["glm", "fmt", "json", "toml"]),
+    "pipeline/detail": ("a scene with as many triangles as a camera can tell: meshes simplified within a proved deviation; knows no pass",
+        ["pipeline/detail", "pipeline/scene", "pipeline/transform", "pipeline/choices", "pipeline/passes/parallel.h", "host/error.h"], ["glm", "fmt", "meshoptimizer"]),
     "pipeline/passes": ("one step of a picture: its CPU twin and the recorder of its kernel",
         ["pipeline/passes", "pipeline/scene", "pipeline/choices", "pipeline/transform", "host", "shaders/shared", "spirv"], ["glm", "fmt"]),
     "pipeline/render": ("the plan of a picture, and the passes strung together, on the device and by the twin",
@@ -45,7 +47,7 @@ ROOMS = {
     "pipeline/truth": ("the picture in binary64, by code that shares no function with the passes",
         ["pipeline/truth", "pipeline/scene", "pipeline/render/render.h", "pipeline/render/frame.h", "host/error.h"], ["glm", "fmt"]),
     "pipeline/measure": ("error, bounds and times of every choice against one truth",
-        ["pipeline/measure", "pipeline/truth", "pipeline/render", "pipeline/scene", "pipeline/choices", "host/error.h"], ["glm", "fmt"]),
+        ["pipeline/measure", "pipeline/detail", "pipeline/truth", "pipeline/render", "pipeline/scene", "pipeline/choices", "host/error.h"], ["glm", "fmt"]),
     "pipeline/planner": ("which choices a budget of error or time needs: counted work, probes, and the check of the finished picture",
         ["pipeline/planner", "pipeline/measure", "pipeline/truth", "pipeline/render", "pipeline/scene", "pipeline/choices", "host/cache.h", "host/error.h"],
         ["glm", "fmt"]),
@@ -86,6 +88,7 @@ THIRD_PARTY = {
     "zlib": r"zlib\.h$",
     "exr": r"OpenEXR/|Imath|Imf|half\.h$",
     "cli": r"CLI/",
+    "meshoptimizer": r"meshoptimizer\.h$",
     "eigen": r"Eigen/",
     "embree": r"embree3/",
     "gtest": r"gtest/|gmock/",

@@ -391,6 +391,11 @@ const std::vector<Flag> kFlags = {
          o.csv = true;
          o.csvFile = v == "-" ? "" : v;
      }},
+    {"--detail", "PX", "draw meshes simplified, and generated shapes with as many segments as it takes, so that no outline moves by more than PX pixels on the screen",
+     "as the scene has them", "pixels, 0.001 to 1000", kNoWords, kRender | kVerify,
+     [](Options& o, const std::string& v) { o.detail = real(v, 0.001, 1000); }},
+    {"--flicker", "", "with --turntable: measure the largest change of a pixel from one picture to the next, where both show the same object", "", "", kNoWords, kRender,
+     [](Options& o, const std::string&) { o.flicker = true; }},
     {"--with-error", "", "measure the picture against its truth in binary64: largest error and where, p99, rms, wrong primitives", "", "", kNoWords, kRender,
      [](Options& o, const std::string&) { o.withError = true; }},
     {"--error", "LIST", "take the cheapest choices that keep this error, check the picture against its truth, and exit 6 where no choice does: E or E:METRIC by commas", "no budget",
@@ -599,6 +604,11 @@ Error unknownFlag(const std::string& token) {
 }
 
 void checkTogether(const Options& o) {
+    if (o.flicker && o.turntable < 2) throw usageError("--flicker goes with --turntable N of 2 or more pictures");
+    if (o.detail > 0 && o.stereo != StereoForm::none)
+        throw usageError("--detail and --stereo exclude each other: detail is that of one eye");
+    if (o.detail > 0 && (!o.error.empty() || o.timeMs))
+        throw usageError("--detail and --error or --time exclude each other: a budget is for the scene as it is");
     if (o.quiet && o.verbose != 0) throw usageError("-q and -v exclude each other");
     if (o.turntable != 0 && o.views.size() > 1) throw usageError("--turntable turns one view: give --view once at most");
     if (!o.views.empty() && (o.eye || o.at)) throw usageError("--view and --eye/--at exclude each other");

@@ -105,6 +105,8 @@ struct Options {
 
     Trade trade;
     std::vector<const TradeAxis*> traded;  // axes that are stated
+    double detail = 0;                     // largest deviation of simplified meshes and generated shapes, in pixels; 0: not given
+    bool flicker = false;
     bool withError = false;
     ErrorBudget error;                      // of a picture against its truth
     std::optional<double> timeMs, checkMs;  // most that a picture may take, and the check of its error

@@ -3,7 +3,9 @@
 #include "pipeline/cli/progress.h"
 #include "pipeline/command/budget_report.h"
 #include "pipeline/command/command.h"
+#include "pipeline/command/detail_report.h"
 #include "pipeline/command/error_report.h"
+#include "pipeline/command/flicker.h"
 #include "pipeline/command/interrupt.h"
 #include "pipeline/command/output_plan.h"
 #include "pipeline/command/picture_report.h"
@@ -82,6 +84,24 @@ struct Loaded {
     glm::uvec2 size{0};
     std::vector<Viewpoint> views;
     double ms = 0;
+    std::optional<Detail> detail = {};  // of --detail
+
+    // What is drawn. The scene itself is what errors are measured against.
+    Scene& drawn() { return detail ? detail->scene : scene; }
+    const Scene& drawn() const { return detail ? detail->scene : scene; }
+    // Takes the camera and the lights of a view.
+    void lookFrom(size_t view) {
+        scene.camera = views[view].camera;
+        scene.lights = views[view].lights;
+        if (!detail) return;
+        detail->scene.camera = scene.camera;
+        detail->scene.lights = scene.lights;
+    }
+    // Adds what --detail did to a plan.
+    void explainDetail(Plan& plan, double pixels) const {
+        if (!detail) return;
+        for (std::string& line : detail->sentences(pixels)) plan.choices.push_back(std::move(line));
+    }
 };
 
 // Refuses what can be refused before a mesh is read.
@@ -111,8 +131,7 @@ Loaded load(const Options& options, Progress& progress, Clock::time_point start)
 RenderRequest choose(const Options& options, Loaded& loaded) {
     Scene& scene = loaded.scene;
     RenderRequest request = requestOf(options, scene, loaded.size);
-    scene.camera = loaded.views[0].camera;
-    scene.lights = loaded.views[0].lights;
+    loaded.lookFrom(0);
     refuse(scene, request);
     if (const std::string asked = leftToRays(scene, request); !asked.empty()) {
         if (options.strict)
@@ -166,18 +185,21 @@ private:
 
 void explainOnly(const Options& options, const Loaded& loaded, const RenderRequest& request) {
     Json sceneReport = sceneJson(loaded.scene, loaded.sources);
-    const Plan plan = planRender(loaded.scene, request, options.device == "twin" ? RunsOn::twin : RunsOn::device);
+    Plan plan = planRender(loaded.drawn(), request, options.device == "twin" ? RunsOn::twin : RunsOn::device);
+    loaded.explainDetail(plan, options.detail);
     MovedVertices moved(options);
-    moved.tell(loaded.scene, request, sceneReport);
+    moved.tell(loaded.drawn(), request, sceneReport);
     moved.tell(plan);
     if (!options.json || !options.jsonFile.empty()) printData(explained(plan));
     Json accuracy = accuracyJson(plan);
     moved.addTo(accuracy);
-    writeJson(options, {{{"tool", toolJson()},
-                         {"scene", sceneReport},
-                         {"camera", cameraJson(loaded.views[0].camera)},
-                         {"plan", planJson(plan)},
-                         {"accuracy", accuracy}}});
+    Json report = {{"tool", toolJson()},
+                   {"scene", sceneReport},
+                   {"camera", cameraJson(loaded.views[0].camera)},
+                   {"plan", planJson(plan)},
+                   {"accuracy", accuracy}};
+    if (loaded.detail) report["detail"] = detailJson(*loaded.detail, options.detail, loaded.scene);
+    writeJson(options, {report});
 }
 
 // Draws, judges and writes the picture of each view.
@@ -194,7 +216,8 @@ public:
           progress_(progress),
           start_(start),
           reportOnOutput_(options.json && options.jsonFile.empty()),
-          moved_(options) {
+          moved_(options),
+          flicker_(options.turntable) {
         if (!options_.quiet && !renderer_.choice().advice.empty())
             say(options_, fmt::format("plumb: {}\n{}", renderer_.choice().reason, renderer_.choice().advice));
         if (options_.verbose != 0) say(options_, fmt::format("device: {}", renderer_.choice().reason));
@@ -218,6 +241,7 @@ public:
             sayLines();
         }
         if (plan_.sheet && verdict_ == Exit::done) writeSheet();
+        if (options_.flicker) tellFlicker();
         finish(options_, batch_, "", reports_);
         sayLines();
         return verdict_;
@@ -241,8 +265,7 @@ private:
     void makeView(size_t i) {
         stopIfInterrupted();
         const auto pictureStart = Clock::now();
-        loaded_.scene.camera = loaded_.views[i].camera;
-        loaded_.scene.lights = loaded_.views[i].lights;
+        loaded_.lookFrom(i);
         const double begin = double(i) / double(loaded_.views.size()), end = double(i + 1) / double(loaded_.views.size());
         Picture p{
             i,  pictureStart, Stereo(options_, loaded_.views[i].camera, loaded_.size), begin, options_.withError ? (begin + end) / 2 : end,
@@ -272,17 +295,19 @@ private:
     void draw(Picture& p) {
         const Camera& camera = loaded_.views[p.view].camera;
         progress_.begin("render" + which(p), p.begin, p.drawn);
-        if (!hasBudget(options_)) tellLongPicture(options_, loaded_.scene, request_, renderer_);
+        if (!hasBudget(options_)) tellLongPicture(options_, loaded_.drawn(), request_, renderer_);
         if (hasBudget(options_)) {
             drawWithinBudget(p);
         } else if (p.stereo.form == StereoForm::none) {
-            p.result = renderer_.render(loaded_.scene, request_);
+            p.result = renderer_.render(loaded_.drawn(), request_);
+            loaded_.explainDetail(p.result.plan, options_.detail);
         } else if (p.stereo.form == StereoForm::pair) {
             p.result = renderEye(renderer_, loaded_.scene, camera, request_, p.stereo, Eye::left);
             p.secondEye = renderEye(renderer_, loaded_.scene, camera, request_, p.stereo, Eye::right);
         } else {
             p.result = renderBothEyes(renderer_, loaded_.scene, camera, request_, p.stereo);
         }
+        if (options_.flicker) flicker_.add(p.result.frame);
         endTask();
         tellFallbacks();
         renderer_.checkValidation();
@@ -331,11 +356,12 @@ private:
             tell(text.substr(0, text.size() - 1));
         }
         Json sceneReport;
-        moved_.tell(loaded_.scene, request_, sceneReport);
+        moved_.tell(loaded_.drawn(), request_, sceneReport);
         moved_.tell(p.result.plan);
         if (!options_.json) return;
         p.report = pictureJson(renderer_, loaded_.scene, loaded_.sources, loaded_.views[p.view], request_, p.result, p.facts, p.blank);
         moved_.addTo(p.report["accuracy"]);
+        if (loaded_.detail) p.report["detail"] = detailJson(*loaded_.detail, options_.detail, loaded_.scene);
         if (p.stereo.form != StereoForm::none) p.report["stereo"] = p.stereo.json();
         if (!p.budget.is_null()) p.report["budget"] = p.budget;
         if (sceneReport.contains("warnings"))
@@ -344,10 +370,11 @@ private:
 
     void compareWithTruth(Picture& p) {
         progress_.begin("truth" + which(p), p.drawn, p.end);
-        const Truth truth = truthOf(loaded_.scene, request_);
+        Truth truth = truthOf(loaded_.scene, request_);
+        if (loaded_.detail) forgetFaces(truth, loaded_.detail->redrawn);
         endTask();
         const FrameError error = errorOf(p.result.frame, truth, request_.encoding, request_.transparent);
-        const std::optional<Rounding> rounding = roundingOf(loaded_.scene, request_, p.result.frame);
+        const std::optional<Rounding> rounding = roundingOf(loaded_.drawn(), request_, p.result.frame);
         say(options_, errorLine(error, truth, rounding));
         p.truthMs = truth.timeMs;
         p.report["truth"] = truthJson(truth);
@@ -373,6 +400,7 @@ private:
         p.report["frame_rate"] = {{"per_second", perSecond}, {"holds_30", perSecond >= 30}, {"holds_60", perSecond >= 60}};
         Json& times = p.report["time_ms"];
         times["load"] = loaded_.ms;
+        if (loaded_.detail) times["detail"] = loaded_.detail->ms;
         times["device"] = renderer_.openMs();
         times["passes"] = Json::object();
         for (const PassTime& time : p.result.times) times["passes"][time.pass] = time.ms;
@@ -412,6 +440,12 @@ private:
         lines_.push_back(fmt::format("{}: {} views, {}x{}", printable(plan_.files[0][0].path), views.size(), sheet.width, sheet.height));
     }
 
+    // The figure of a whole turn, in the report of its last picture.
+    void tellFlicker() {
+        lines_.push_back(flicker_.line());
+        if (!reports_.empty()) reports_.back()["flicker"] = flicker_.json();
+    }
+
     void tellFallbacks() {
         for (; told_ < renderer_.fallbacks().size(); ++told_) tell(fmt::format("plumb: {}", renderer_.fallbacks()[told_]));
     }
@@ -430,6 +464,7 @@ private:
     const Clock::time_point start_;
     const bool reportOnOutput_;
     MovedVertices moved_;
+    Flicker flicker_;
     size_t told_ = 0;  // fallbacks
     Exit verdict_ = Exit::done;
     std::vector<Json> reports_;
@@ -452,6 +487,12 @@ Exit renderCommand(const Options& options) {
     Loaded loaded = load(options, progress, start);
     RenderRequest request = choose(options, loaded);
     if (!draws && hasBudget(options)) throw usageError("--error and --time choose a picture to draw: give -o FILE, or ask `plumb plan`");
+    if (options.detail > 0) {
+        loaded.detail = detailOf(options, loaded.scene, loaded.size, loaded.views, progress);
+        loaded.lookFrom(0);
+        if (!options.explain && !options.json)
+            for (const std::string& line : loaded.detail->sentences(options.detail)) say(options, line);
+    }
     if (!draws) {
         explainOnly(options, loaded, request);
         return Exit::done;
@@ -460,6 +501,7 @@ Exit renderCommand(const Options& options) {
     OutputPlan plan = outputPlanOf(options, loaded.views, loaded.size);
     request.planes = plan.planes;
     if (options.withError) askForTruth(options, loaded.scene, request);
+    if (options.flicker) request.planes |= kPlaneObject;
     const std::unique_ptr<Renderer> renderer = opening.get();
     return Pictures(options, loaded, std::move(request), std::move(plan), *renderer, progress, start).make();
 }

@@ -2,6 +2,7 @@
 // plumb verify: the device against the twin, plane by plane. A difference is a verdict (exit 1), not a failure.
 #include "pipeline/cli/progress.h"
 #include "pipeline/command/command.h"
+#include "pipeline/command/detail_report.h"
 #include "pipeline/command/interrupt.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
@@ -17,6 +18,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -149,6 +151,7 @@ private:
         glm::uvec2 size{0};
         std::vector<Viewpoint> views;
         RenderRequest request;
+        std::optional<Detail> detail;
         size_t firstNumber = 0, count = 0;  // of its pictures, and of all
     };
 
@@ -171,6 +174,12 @@ private:
             progress_.update(fraction);
             return interruptedBy() == 0;
         };
+        if (options_.detail > 0) {
+            input.detail = detailOf(options_, input.scene, input.size, input.views, progress_, begin, drawn);
+            input.scene = input.detail->scene;
+            if (!options_.json)
+                for (const std::string& line : input.detail->sentences(options_.detail)) say(options_, line);
+        }
         input.firstNumber = i * input.views.size();
         input.count = options_.inputs.size() * input.views.size();
         const double viewCount = double(input.views.size()), left = begin + share - drawn;
@@ -241,6 +250,7 @@ private:
                            {"device", report.device.totalMs},
                            {"total", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count()}};
         json["counters"] = countersJson(report.device.counters);
+        if (input.detail) json["detail"] = detailJson(*input.detail, options_.detail, input.scene);
         json["determinism"] = determinismOf(request);
         json["memory"] = memoryJson(renderer_);
         return json;

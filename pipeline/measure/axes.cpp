@@ -66,6 +66,16 @@ void keep(Setting&) {}
 
 void drawAgain(Setting& s) { s.again = true; }
 
+template <uint32_t value>
+void drawSegments(Setting& s) {
+    s.segments = value;
+}
+// A deviation of numerator / divisor pixels.
+template <uint32_t numerator, uint32_t divisor>
+void keepDetail(Setting& s) {
+    s.detail = double(numerator) / divisor;
+}
+
 // What people ask about a picture, first to last. What is missing here follows in the order of kAxes.
 constexpr const char* kAsked[] = {"samples",      "shading", "trace-depth", "trace-cutoff", "ray-sampling",  "specular",
                                   "light-vector", "normals", "rate",        "fill",         "interpolation", "depth"};
@@ -77,6 +87,26 @@ const std::vector<Axis> kAxes = {
      {{"default again", Verdict::bits, drawAgain, "the default picture once more: nothing but noise"}},
      Scope::both},
     {"shading", "how a surface is lit", choicesOf(kShadings, [](RenderRequest& r, Shading value) { r.shading = value; }), Scope::both},
+    {"tessellation",
+     "polygons once around a generated shape; the truth is the shape itself",
+     {{"stated", Verdict::bits, keep, "as the scene has it"},
+      {"8", Verdict::bits, drawSegments<8>, "8 segments, as the notes' cylinder"},
+      {"16", Verdict::bits, drawSegments<16>, "16"},
+      {"32", Verdict::bits, drawSegments<32>, "32"},
+      {"64", Verdict::bits, drawSegments<64>, "64"},
+      {"128", Verdict::bits, drawSegments<128>, "128"},
+      {"256", Verdict::bits, drawSegments<256>, "256"},
+      {"512", Verdict::bits, drawSegments<512>, "512; the teapot has 256 at most"}},
+     Scope::both},
+    {"detail",
+     "meshes simplified, and shapes tessellated, for the camera; times are without that, which happens once",
+     {{"whole", Verdict::bits, keep, "as the scene has it"},
+      {"1/4", Verdict::bits, keepDetail<1, 4>, "outlines move by at most 1/4 px"},
+      {"1/2", Verdict::bits, keepDetail<1, 2>, "1/2 px"},
+      {"1", Verdict::bits, keepDetail<1, 1>, "1 px"},
+      {"2", Verdict::bits, keepDetail<2, 1>, "2 px"},
+      {"4", Verdict::bits, keepDetail<4, 1>, "4 px"}},
+     Scope::both},
     traded("transform"),
     traded("subpixel"),
     {"fill", "which pixels a triangle covers", choicesOf(kFills, [](RenderRequest& r, Fill value) { r.fill = value; })},
@@ -125,8 +155,9 @@ bool hasTruth(const RenderRequest& request) { return request.shading != Shading:
 
 std::string wordsOf(const Setting& s) {
     const RenderRequest& r = s.request;
-    const std::string machine =
-        (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device") + (s.again ? " again" : "");
+    const std::string machine = (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device") +
+                                (s.again ? " again" : "") + (s.segments != 0 ? fmt::format(" tessellation={}", s.segments) : "") +
+                                (s.detail != 0 ? fmt::format(" detail={:g}", s.detail) : "");
     if (isTraced(r))
         return fmt::format("shading={} encoding={} samples={} trace-depth={} trace-cutoff={} ray-sampling={} {}", nameOf(r.shading),
                            nameOf(r.encoding), r.samples, r.maxDepth, r.minWeight, nameOf(r.rays.sampling), machine);

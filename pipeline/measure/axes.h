@@ -16,8 +16,10 @@ namespace plumb {
 // One way to draw the scene.
 struct Setting {
     RenderRequest request;
-    bool twin = false;   // the CPU twin draws, not the device
-    bool again = false;  // the default picture once more: no other work
+    bool twin = false;      // the CPU twin draws, not the device
+    bool again = false;     // the default picture once more: no other work
+    double detail = 0;      // largest deviation of simplified meshes and generated shapes, in pixels; 0: drawn as the scene has them
+    uint32_t segments = 0;  // of every generated shape; 0: as stated
 };
 
 // True when rays draw the picture.

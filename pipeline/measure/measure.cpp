@@ -2,6 +2,7 @@
 #include "pipeline/measure/measure.h"
 
 #include "host/error.h"
+#include "pipeline/detail/detail.h"
 #include "pipeline/measure/rounds.h"
 #include "pipeline/measure/row_fronts.h"
 #include "pipeline/measure/row_list.h"
@@ -77,7 +78,37 @@ private:
             late_ = late_ || leftMs() < 0;
             return !late_ && (!inner || inner(done));
         };
-        return plan_.draw(scene_, limited);
+        return plan_.draw(drawnSceneOf(setting), limited);
+    }
+
+    // The scene that a setting draws. Truths are those of scene_.
+    const Scene& drawnSceneOf(const Setting& setting) {
+        const Detail* detail = detailOf(setting);
+        return detail == nullptr ? scene_ : detail->scene;
+    }
+
+    // Detail of a setting, made once. Null: the scene is drawn as it is.
+    const Detail* detailOf(const Setting& setting) {
+        if (setting.segments == 0 && setting.detail == 0) return nullptr;
+        const auto [found, isNew] = details_.try_emplace({setting.segments, setting.detail});
+        if (isNew) {
+            const RenderRequest& r = setting.request;
+            const auto onProgress = [this](double) {
+                tell(told_);
+                late_ = late_ || leftMs() < 0;
+                return !late_;
+            };
+            try {
+                if (setting.segments != 0)
+                    found->second = tessellatedScene(scene_, setting.segments);
+                else
+                    found->second = detailed(scene_, {setting.detail, {r.width, r.height}, {}, r.threads, true, onProgress});
+            } catch (...) {
+                details_.erase(found);
+                throw;
+            }
+        }
+        return &found->second;
     }
 
     // What a run is to a picture: equal ones differ in nothing but noise.
@@ -191,17 +222,24 @@ private:
     void compareWithTruth(size_t i, const RenderRequest& request, const Frame& frame) {
         MeasuredRun& run = out_.runs[i];
         const double begun = elapsedMs(), until = i == 0 ? kTruthShare * endMs() : endMs();
+        const Detail* detail = detailOf(run.setting);
+        const auto errorAgainst = [&](const Truth& truth) {
+            if (detail == nullptr) return errorOf(frame, truth, request.encoding, request.transparent);
+            Truth faceless = truth;
+            forgetFaces(faceless, detail->redrawn);
+            return errorOf(frame, faceless, request.encoding, request.transparent);
+        };
         // The one truth has the most samples that any choice of any axis takes, whatever axes are measured. Its samples lie in a grid.
         const Truth* own = truths_.at(request.samples, request.fill, request.samples, samplingOf(request), until);
         const Truth* most = truths_.at(mostSamples(plan_.base), request.fill, request.samples, Sampling::grid, until);
         if (i == 0) truthsOfDefaultMs_ = elapsedMs() - begun;
         if (most != nullptr) {
-            run.error = errorOf(frame, *most, request.encoding, request.transparent);
+            run.error = errorAgainst(*most);
             if (i == 0) baseFrame_ = frame;
             run.error->unroundedPerPixel.clear();
         }
         if (own != nullptr) {
-            run.alike = own == most ? run.error : errorOf(frame, *own, request.encoding, request.transparent);
+            run.alike = own == most ? run.error : errorAgainst(*own);
             run.alike->perPixel.clear();
             run.alike->unroundedPerPixel.clear();
         }
@@ -212,7 +250,7 @@ private:
         if (i > 0 && wordsOf(same) == wordsOf(plan_.base))
             run.rounding = out_.runs[0].rounding;
         else if (leftMs() > 0)
-            run.rounding = roundingOf(scene_, request, frame);
+            run.rounding = roundingOf(drawnSceneOf(run.setting), request, frame);
         if (i > 0 && run.error && out_.runs[0].error)
             takeBound(run, frame, *most);
         else if (i > 0)
@@ -386,9 +424,10 @@ private:
     Truths truths_;
     Frame baseFrame_;  // the default picture
     std::optional<BoundOfRays> raysBound_;
-    std::vector<double> estimates_;       // ms of one draw of each run; 0: not drawn yet
-    std::vector<std::string> passNames_;  // of each run, in the order in which they ran
-    std::vector<double> restMs_;          // what errors took beside two draws, of each run that has them
+    std::map<std::pair<uint32_t, double>, Detail> details_;  // by segments and pixels
+    std::vector<double> estimates_;                          // ms of one draw of each run; 0: not drawn yet
+    std::vector<std::string> passNames_;                     // of each run, in the order in which they ran
+    std::vector<double> restMs_;                             // what errors took beside two draws, of each run that has them
     double truthsOfDefaultMs_ = 0;
     double told_ = 0;    // progress
     bool late_ = false;  // the limit ended a draw

@@ -7,12 +7,15 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace plumb {
 
 inline constexpr uint32_t kNone = 0xffffffffu;
+
+struct GeneratedShape;  // shape.h
 
 // Phong material as OBJ/MTL names it. Colours are linear RGB in [0, 1]; Ns in [0, 1e6].
 struct Material {
@@ -80,6 +83,7 @@ struct TriangleMesh {
     // Per vertex, the file's own positions for the truth; empty: origin + position (LoadOptions::keepNumbers). Code that moves positions
     // must empty it.
     std::vector<glm::dvec3> stated;
+    std::shared_ptr<const GeneratedShape> shape;  // the curved surface that the triangles stand for; null: the triangles are the surface
     glm::dvec3 statedAt(size_t vertex) const { return stated.empty() ? origin + glm::dvec3(positions[vertex]) : stated[vertex]; }
 };
 

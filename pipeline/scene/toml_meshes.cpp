@@ -4,12 +4,14 @@
 
 #include "pipeline/scene/add_mesh.h"
 #include "pipeline/scene/input.h"
+#include "pipeline/scene/shape.h"
 
 #include <fmt/format.h>
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <memory>
 #include <set>
 #include <string>
 #include <system_error>
@@ -30,7 +32,8 @@ void paint(TriangleMesh& mesh, uint32_t material) {
 }  // namespace
 
 void SceneFile::readMesh(const toml::table& table) {
-    allowKeys(table, "[[mesh]]", {"name", "file", "vertices", "faces", "material", "face_materials", "crease"});
+    allowKeys(table, "[[mesh]]",
+              {"name", "file", "vertices", "faces", "material", "face_materials", "crease", "shape", "radius", "length", "segments"});
     const toml::node& nameNode = required(table, "name", "mesh");
     const std::string name = stringOf(nameNode, "mesh.name");
     if (meshes_.contains(name)) refuse(nameNode, fmt::format("mesh.name '{}' is taken", printable(name, 64)));
@@ -39,7 +42,7 @@ void SceneFile::readMesh(const toml::table& table) {
 
     uint32_t index;
     if (const auto* fileNode = table.get("file")) {
-        for (const char* key : {"vertices", "faces", "face_materials"})
+        for (const char* key : {"vertices", "faces", "face_materials", "shape"})
             if (const auto* other = table.get(key)) refuse(*other, fmt::format("mesh.{} beside mesh.file", key));
         const std::string reference = stringOf(*fileNode, "mesh.file");
         const auto file =
@@ -56,17 +59,57 @@ void SceneFile::readMesh(const toml::table& table) {
             if (material != kNone) paint(scene_.meshes[read->second], material);
         }
         index = read->second;
+    } else if (const auto* shapeNode = table.get("shape")) {
+        index = readShape(table, *shapeNode, name);
     } else {
         index = readInlineMesh(table, name, options);
     }
+    for (const char* key : {"radius", "length", "segments"})
+        if (const auto* node = table.get(key); node && !table.get("shape")) refuse(*node, fmt::format("mesh.{} without mesh.shape", key));
     meshes_[name] = index;
     meshNames_.push_back(name);
+}
+
+// A mesh that is generated: its vertices lie on the shape and have its normals.
+uint32_t SceneFile::readShape(const toml::table& table, const toml::node& shapeNode, const std::string& name) {
+    for (const char* key : {"vertices", "faces", "face_materials", "crease"})
+        if (const auto* other = table.get(key)) refuse(*other, fmt::format("mesh.{} beside mesh.shape", key));
+    GeneratedShape shape;
+    shape.kind = choiceOf<ShapeKind>(shapeNode, "mesh.shape",
+                                     {{"sphere", ShapeKind::sphere}, {"cylinder", ShapeKind::cylinder}, {"teapot", ShapeKind::teapot}});
+    const auto length = [&](const char* key, double& value, bool has) {
+        const auto* node = table.get(key);
+        if (!node) return;
+        const std::string field = std::string("mesh.") + key;
+        if (!has) refuse(*node, fmt::format("{} beside shape = \"{}\", which has none", field, nameOf(shape.kind)));
+        value = numberOf(*node, field);
+        if (!(value > 0)) refuse(*node, fmt::format("{} is {:g}, not above 0", field, value));
+        if (value > kMaxCoordinate) refuse(*node, fmt::format("{} is {:g}, above 2^100", field, value));
+    };
+    length("radius", shape.radius, shape.kind != ShapeKind::teapot);
+    length("length", shape.length, shape.kind == ShapeKind::cylinder);
+    if (const auto* node = table.get("segments")) {
+        const SegmentRange range = segmentRangeOf(shape.kind);
+        const int64_t count = integerOf(*node, "mesh.segments", range.least, range.most);
+        if (count % range.step != 0)
+            refuse(*node, fmt::format("mesh.segments is {}; a {} has a multiple of {}", count, nameOf(shape.kind), range.step));
+        shape.segments = uint32_t(count);
+    }
+    PolygonMesh mesh = polygonsOf(shape);
+    mesh.name = name;
+    mesh.location = location(shapeNode);
+    const auto* materialNode = table.get("material");
+    mesh.faceMaterial.assign(mesh.faceFirst.size() - 1, materialNode ? materialNamed(*materialNode, "mesh.material") : 0);
+    const uint32_t index = addMesh(scene_, std::move(mesh), location(table), options_);
+    warnOfRepairs(scene_, index, location(table));
+    scene_.meshes[index].shape = std::make_shared<GeneratedShape>(shape);
+    return index;
 }
 
 uint32_t SceneFile::readInlineMesh(const toml::table& table, const std::string& name, const LoadOptions& options) {
     PolygonMesh mesh;
     mesh.name = name;
-    if (!table.get("vertices")) refuse(table, fmt::format("mesh '{}' has neither 'file' nor 'vertices'", printable(name, 64)));
+    if (!table.get("vertices")) refuse(table, fmt::format("mesh '{}' has neither 'file' nor 'shape' nor 'vertices'", printable(name, 64)));
     const toml::array& vertices = arrayOf(*table.get("vertices"), "mesh.vertices");
     mesh.positions.reserve(vertices.size());
     for (size_t i = 0; i < vertices.size(); ++i) {

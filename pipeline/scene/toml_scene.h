@@ -38,6 +38,7 @@ private:
     void readLight(const toml::table& table);
     void readArea(const toml::table& table, const Light& light);
     void readMesh(const toml::table& table);
+    uint32_t readShape(const toml::table& table, const toml::node& shapeNode, const std::string& name);
     uint32_t readInlineMesh(const toml::table& table, const std::string& name, const LoadOptions& options);
     void readObject(const toml::table& table, int parent, int depth);
     struct Placement {

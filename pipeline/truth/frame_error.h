@@ -22,11 +22,13 @@ struct FrameError {
     uint64_t pixels = 0;  // pixels in which the picture or the truth shows something
     // Errors in steps of the sRGB code (1/255 of full scale), whichever curve the picture is stored with, so that pictures of both curves
     // compare.
-    ErrorFigures picture;             // the bytes as they are stored, rounding to bytes included; alpha is a channel where it is stored
-    ErrorFigures unrounded;           // the float32 colour through the same curve, before it becomes a byte; 0 pixels without kPlaneLinear
-    ErrorFigures linear;              // the float32 colour in linear light, not clamped
-    double depthRelative = 0;         // largest |w - truth| / truth where the same primitive is seen (kPlaneDepth)
-    uint64_t wrongPrimitive = 0;      // pixels that show another face than the truth, a face where it has none, or none where it has one
+    ErrorFigures picture;      // the bytes as they are stored, rounding to bytes included; alpha is a channel where it is stored
+    ErrorFigures unrounded;    // the float32 colour through the same curve, before it becomes a byte; 0 pixels without kPlaneLinear
+    ErrorFigures linear;       // the float32 colour in linear light, not clamped
+    double depthRelative = 0;  // largest |w - truth| / truth where the same primitive is seen (kPlaneDepth)
+    // Pixels that show another face than the truth, a face where it has none, or none where it has one. Of an object without faces of its own in
+    // the truth, any face is right.
+    uint64_t wrongPrimitive = 0;
     uint32_t wrongX = 0, wrongY = 0;  // the first such pixel
     // `picture.max` over the pixels that PixelChoice::decided holds, and its first pixel. Without that choice over every pixel.
     double decidedMax = 0;

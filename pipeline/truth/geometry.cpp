@@ -2,6 +2,7 @@
 #include "pipeline/truth/geometry.h"
 
 #include "pipeline/scene/flattened.h"
+#include "pipeline/scene/shape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -220,6 +221,7 @@ void Geometry::add(uint32_t object, uint32_t index, bool mirrored) {
 
 Geometry::Geometry(const Scene& scene, const Pinhole& pinhole) : scene_(scene), pinhole_(pinhole) {
     for (uint32_t o = 0; o < scene.objects.size(); ++o) {
+        if (standsForSolid(scene, o)) continue;
         const TriangleMesh& mesh = scene.meshes[scene.objects[o].mesh];
         corners_.clear();
         for (uint32_t v = 0; v < mesh.positions.size(); ++v) corners_.push_back(corner(o, v));

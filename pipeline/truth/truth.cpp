@@ -2,8 +2,10 @@
 #include "pipeline/truth/truth.h"
 
 #include "host/error.h"
+#include "pipeline/scene/shape.h"
 #include "pipeline/truth/illumination.h"
 #include "pipeline/truth/rays.h"
+#include "pipeline/truth/solids.h"
 #include "pipeline/truth/spheres.h"
 
 #include <algorithm>
@@ -15,6 +17,7 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <thread>
 #include <utility>
@@ -28,6 +31,8 @@ using truth::Geometry;
 using truth::Illumination;
 using truth::Judge;
 using truth::Pinhole;
+using truth::SolidHit;
+using truth::Solids;
 using truth::Triangle;
 
 constexpr uint32_t kBandRows = 8;          // pixels
@@ -50,11 +55,12 @@ struct Wanted {
 // Band of pixel rows: the visible triangle of each sample, then its colour.
 class Band {
 public:
-    Band(const Scene& scene, const RenderRequest& request, const Geometry& geometry, const Illumination& illumination, uint32_t side,
-         Wanted wanted, Truth& out)
+    Band(const Scene& scene, const RenderRequest& request, const Geometry& geometry, const Solids& solids, const Illumination& illumination,
+         uint32_t side, Wanted wanted, Truth& out)
         : scene_(scene),
           request_(request),
           geometry_(geometry),
+          solids_(solids),
           illumination_(illumination),
           judge_(geometry),
           side_(side),
@@ -77,9 +83,19 @@ public:
             for (uint32_t column = 0; column < request_.width; ++column)
                 if (wanted_(column, firstRow + row)) resolve(column, firstRow + row, first);
     }
-    void addTo(Truth& out) const { out.redone += judge_.redone(); }
+    void addTo(Truth& out) const {
+        out.redone += judge_.redone() + counts_.redone;
+        out.undecided += counts_.undecided;
+    }
 
 private:
+    struct Sample {
+        truth::BoundedColour colour;
+        truth::Bounded w;
+        uint32_t object = kNone, primitive = kNone;
+        bool open = false;  // what is seen is open: the bounds say nothing
+    };
+
     double x(int i) const { return geometry_.pinhole().x(i); }
     double y(int j) const { return geometry_.pinhole().y(j); }
 
@@ -89,33 +105,71 @@ private:
         uint32_t covered = 0;
         for (uint32_t k = 0; k < side_ * side_; ++k) {
             const int i = int(column * side_ + k % side_), j = int(row * side_ + k / side_);
-            const uint32_t t = seen_[size_t(j - first) * request_.width * side_ + size_t(i)];
-            if (t == kNone) {
+            const Sample seen = sampleAt(seen_[size_t(j - first) * request_.width * side_ + size_t(i)], x(i), y(j));
+            if (seen.open) {
+                out_.decided[at] = 0;
+                error = glm::dvec3(INFINITY);
+            }
+            if (seen.object == kNone) {
                 if (!request_.transparent) sum += glm::dvec3(request_.background);
                 continue;
             }
             ++covered;
-            if (t != patchIndex_) patch_ = illumination_.patchOf(patchIndex_ = t);
-            const Illumination::Seen seen = illumination_.at(patch_, x(i), y(j));
             sum += seen.colour.value;
             error += seen.colour.error;
             if (k % side_ != side_ / 2 || k / side_ != side_ / 2) continue;
-            const Triangle& triangle = geometry_.triangles()[t];
             out_.depth[at] = seen.w.value;
             out_.depthBound[at] = seen.w.error;
-            out_.object[at] = triangle.object;
-            out_.primitive[at] = scene_.meshes[scene_.objects[triangle.object].mesh].triangles[triangle.triangle].face;
+            out_.object[at] = seen.object;
+            out_.primitive[at] = seen.primitive;
         }
         const double count = request_.transparent ? std::max(covered, 1u) : side_ * side_;
         for (int c = 0; c < 3; ++c) setChannel(out_, 3 * at + size_t(c), sum[c], error[c], count);
         out_.alpha[at] = double(covered) / (side_ * side_);
     }
 
+    // What is seen: triangle `t`, or a body in front of it.
+    Sample sampleAt(uint32_t t, double x, double y) {
+        const uint64_t before = counts_.undecided;
+        Sample out = solids_.empty() ? triangleAt(t, x, y) : nearestAt(t, x, y);
+        out.open = counts_.undecided != before;
+        return out;
+    }
+    Sample triangleAt(uint32_t t, double x, double y) {
+        if (t == kNone) return {};
+        if (t != patchIndex_) patch_ = illumination_.patchOf(patchIndex_ = t);
+        const Illumination::Seen seen = illumination_.at(patch_, x, y);
+        const Triangle& triangle = geometry_.triangles()[t];
+        const TriangleMesh& mesh = scene_.meshes[scene_.objects[triangle.object].mesh];
+        return {seen.colour, seen.w, triangle.object, mesh.shape ? kNone : mesh.triangles[triangle.triangle].face};
+    }
+    Sample nearestAt(uint32_t t, double x, double y) {
+        const SolidHit hit = solids_.look(x, y, counts_);
+        if (hit.object == kNone || (t != kNone && !isNearer(hit, geometry_.triangles()[t], x, y))) return triangleAt(t, x, y);
+        const truth::Direction toViewer =
+            scene_.distantViewer.value_or(false)
+                ? truth::Direction{-scene_.camera->forward, truth::kUnitVectorError}
+                : truth::Direction{-glm::normalize(hit.position),
+                                   truth::turnedBy(hit.positionError, glm::length(hit.position)) + truth::kUnitVectorError};
+        return {illumination_.colourOf(hit.material, hit.position, hit.positionError, hit.normal, toViewer), hit.w, hit.object, kNone};
+    }
+
+    // True when the body is nearer than the triangle; at equal depth the smaller object is.
+    bool isNearer(const SolidHit& hit, const Triangle& t, double x, double y) {
+        const double w = hit.w.value, inverse = t.sa * x + t.sb * y + t.sc, difference = 1 / w - inverse;
+        constexpr double kOwn = 16 * truth::kDoubleUnit;  // quotient, three products and sums
+        const bool open = !(std::abs(difference) > (t.inverseError + hit.w.error / (w * w) + kOwn / w) * truth::kOwnRounding);
+        counts_.undecided += open;
+        return open ? hit.object < t.object : difference > 0;
+    }
+
     const Scene& scene_;
     const RenderRequest& request_;
     const Geometry& geometry_;
+    const Solids& solids_;
     const Illumination& illumination_;
     Judge judge_;
+    Solids::Counts counts_;
     const uint32_t side_;
     const Wanted wanted_;
     Truth& out_;
@@ -125,6 +179,11 @@ private:
 };
 
 }  // namespace
+
+void forgetFaces(Truth& truth, const std::vector<bool>& objects) {
+    for (size_t at = 0; at < truth.object.size(); ++at)
+        if (truth.object[at] < objects.size() && objects[truth.object[at]]) truth.primitive[at] = kNone;
+}
 
 double srgbCode(double linear) {
     const double x = std::clamp(linear, 0.0, 1.0);
@@ -360,6 +419,18 @@ SamplePositions aroundWholeCoordinates(uint32_t samples) {
     return p;
 }
 
+// The scene with its teapots at their most segments, which are as near to the patches as a scene can come. None: it has none.
+std::optional<Scene> withFinestPatches(const Scene& scene) {
+    std::optional<Scene> out;
+    for (size_t i = 0; i < scene.meshes.size(); ++i) {
+        const TriangleMesh& mesh = scene.meshes[i];
+        if (!mesh.shape || mesh.shape->kind != ShapeKind::teapot) continue;
+        if (!out) out = scene;
+        out->meshes[i] = tessellated(mesh, segmentRangeOf(mesh.shape->kind).most, true);
+    }
+    return out;
+}
+
 }  // namespace
 
 Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSamples, std::span<const uint8_t> wantedPixels) {
@@ -400,11 +471,14 @@ Truth truthOf(const Scene& scene, const RenderRequest& request, uint32_t drawnSa
                   [&] { return SampleBand(SphereLooker(scene, illumination, request), pinhole, request, positions, wanted, out); });
     } else {
         const uint32_t side = sideOf(request.samples), drawnSide = sideOf(drawnSamples == 0 ? request.samples : drawnSamples);
+        const std::optional<Scene> finest = withFinestPatches(scene);
+        const Scene& shown = finest ? *finest : scene;
         const Geometry geometry(
-            scene, Pinhole(*scene.camera, out.width, out.height, side, request.fill == Fill::notes ? 0.5 * side / drawnSide : 0));
-        const Illumination illumination(scene, geometry);
+            shown, Pinhole(*scene.camera, out.width, out.height, side, request.fill == Fill::notes ? 0.5 * side / drawnSide : 0));
+        const Solids solids(shown, geometry.pinhole());
+        const Illumination illumination(shown, geometry);
         out.redone = geometry.redone();
-        drawBands(request, out, [&] { return Band(scene, request, geometry, illumination, side, wanted, out); });
+        drawBands(request, out, [&] { return Band(shown, request, geometry, solids, illumination, side, wanted, out); });
     }
     out.timeMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     return out;

@@ -513,7 +513,7 @@ std::vector<BadScene> badScenes() {
         {"[[light]]\ntype = 'point'\nposition = [0, 0, 0]\nintensity = [1, @-1, 1]", "light.intensity[1]"},
         // meshes
         {"@[[mesh]]\nfile = 'a.obj'", "mesh has no 'name'"},
-        {"@[[mesh]]\nname = 'm'", "mesh 'm' has neither 'file' nor 'vertices'"},
+        {"@[[mesh]]\nname = 'm'", "mesh 'm' has neither 'file' nor 'shape' nor 'vertices'"},
         {"@" + kMesh + "vertices = [[0,0,0]]", "mesh has no 'faces'"},
         {kMesh + "vertices = @3", "mesh.vertices is an integer"},
         {kMesh + "vertices = [[0,0,0], @[1,2,3,4]]\nfaces = []", "mesh.vertices[1] has 4 numbers"},
