@@ -4,7 +4,7 @@
 
 The order (a room may include itself and what stands before it):
 
-    shaders/shared < host < transform < choices < scene < detail < passes < render < truth < measure, bench, fingerprint, image < library, compare, report < cli < command < tests
+    shaders/shared < host < transform < choices < scene < detail < passes < render < truth < pixel, measure, bench, fingerprint, image < library, compare, report < cli < command < tests
 
 Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
 render/ strings together. cli/ stands late and may include choices/ and scene/ only: it turns words into a request and knows nothing of passes;
@@ -46,6 +46,9 @@ ROOMS = {
     # Shares no function with the passes: of render/ it reads types only.
     "pipeline/truth": ("the picture in binary64, by code that shares no function with the passes",
         ["pipeline/truth", "pipeline/scene", "pipeline/render/render.h", "pipeline/render/frame.h", "host/error.h"], ["glm", "fmt"]),
+    "pipeline/pixel": ("one pixel opened: the chain of the lecture notes, as each side has it",
+        ["pipeline/pixel", "pipeline/truth", "pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/choices", "pipeline/transform", "host", "shaders/shared"],
+        ["glm", "fmt"]),
     "pipeline/measure": ("error, bounds and times of every choice against one truth",
         ["pipeline/measure", "pipeline/detail", "pipeline/truth", "pipeline/render", "pipeline/scene", "pipeline/choices", "host/error.h"], ["glm", "fmt"]),
     "pipeline/planner": ("which choices a budget of error or time needs: counted work, probes, and the check of the finished picture",

@@ -22,10 +22,10 @@ namespace {
 // A value that a flag does not accept; the parser knows the flag and what it accepts.
 struct Refused {};
 
-constexpr uint32_t kDraw = kRender | kVerify | kMeasure | kPlan;
-constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix | kBench | kMeasure | kPlan;
-constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix | kDiff | kBench | kMeasure | kPlan;
-constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices | kBench | kMeasure | kPlan;
+constexpr uint32_t kDraw = kRender | kVerify | kMeasure | kPlan | kPixel;
+constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix | kBench | kMeasure | kPlan | kPixel;
+constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix | kDiff | kBench | kMeasure | kPlan | kPixel;
+constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices | kBench | kMeasure | kPlan | kPixel;
 constexpr uint32_t kLargestSide = 65536;
 
 // All of `text`, without a locale; NaN, infinity and out of range are refused.
@@ -409,7 +409,7 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string&) { o.explain = true; }},
     {"-q,--quiet", "", "errors only", "", "", kNoWords, kReports, [](Options& o, const std::string&) { o.quiet = true; }},
     {"-v,--verbose", "", "say more: the device and its reason, times of the passes", "", "", kNoWords, kReports, [](Options& o, const std::string&) { ++o.verbose; }, true},
-    {"--object", "NAME", "the object of the scene, by name or number", "all", "a name or a number", kNoWords, kMatrix, [](Options& o, const std::string& v) { o.object = v; }},
+    {"--object", "NAME", "the object of the scene, by name or number", "all; pixel: the first", "a name or a number", kNoWords, kMatrix | kPixel, [](Options& o, const std::string& v) { o.object = v; }},
     {"--point", "X,Y[,Z]", "carry this point through the chain and print it after each step", "", "three finite numbers by commas, or two with --dimensions 2", kNoWords, kMatrix, addPoint, true},
     {"--dimensions", "N", "steps in the plane (3x3) or in space (4x4)", "3", "2, 3", {"2", "3"}, kMatrix,
      [](Options& o, const std::string& v) { o.dimensions = oneOf<int>(v, {{"2", 2}, {"3", 3}}); }},
@@ -427,6 +427,10 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string&) { o.allFloats = true; }},
     {"--compare", "", "name each trait that differs between two JSON files of fingerprints; exit 1 when one does", "", "", kNoWords, kDevices,
      [](Options& o, const std::string&) { o.compare = true; }},
+    {"--polygon", "N", "open this polygon of the object, at the pixels if any are given", "", "a whole number, from 0", kNoWords, kPixel,
+     [](Options& o, const std::string& v) { o.polygon = number<uint32_t>(v, 0, ~uint32_t(0)); }},
+    {"--vertex", "N", "open the polygon that has this vertex of the object first", "", "a whole number, from 0", kNoWords, kPixel,
+     [](Options& o, const std::string& v) { o.vertex = number<uint32_t>(v, 0, ~uint32_t(0)); }},
     {"--man", "", "print the man page", "", "", kNoWords, kHelp, [](Options& o, const std::string&) { o.man = true; }},
     {"--completion", "SHELL", "print the completion script of a shell", "", "bash, zsh, fish", {"bash", "zsh", "fish"}, kHelp,
      [](Options& o, const std::string& v) {
@@ -549,6 +553,20 @@ const std::vector<CommandRow> kCommands = {
      {{{"plumb bench raster", "the generated meshes at 1920x1080"},
        {"plumb bench raster sphere1e5 mug.obj --repeat 20 --json", "one generated and one named mesh, for programs"},
        {"plumb bench matrix 1e6", "a million vertices, and a chain of a million matrices"}}}},
+    {kPixel,
+     "pixel",
+     "SCENE|MESH [X,Y...]",
+     "open one pixel into the chain of the lecture notes",
+     "Draws the picture on the device and by the CPU twin, and opens pixels of it (column,row from the top left): vertices, composite "
+     "matrix, "
+     "projection, cull, fill, Z, normal, lights, bytes. Each line has its section of the lecture notes and four columns: the textbook "
+     "formula "
+     "in float32, the device, the twin, and the truth with its bound. A value that a side does not compute says so. It tells the first "
+     "line on "
+     "which sides part. Takes the camera and the choices of `plumb render --fill exact`, without --shading wire and ray.",
+     {{{"plumb pixel scene.toml 320,240", "one pixel, from its vertices to its bytes"},
+       {"plumb pixel scene.toml 320,240 100,50 --json", "two pixels, for programs"},
+       {"plumb pixel mug.obj --polygon 7", "one polygon of the first object, as far as it goes without a pixel"}}}},
     {kHelp,
      "help",
      "[COMMAND]",
@@ -631,6 +649,8 @@ void checkTogether(const Options& o) {
             fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, .exr or .npy, or -", printable(o.output)));
     if (o.command == kMeasure && !o.output.empty() && lowerExtension(o.output) != ".html")
         throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output)));
+    if (o.command == kPixel && o.views.size() > 1) throw usageError("`plumb pixel` opens pixels of one picture: give --view once at most");
+    if (o.polygon && o.vertex) throw usageError("--polygon and --vertex exclude each other");
     if (o.compare && (o.fingerprint || o.allFloats))
         throw usageError("--compare and --fingerprint exclude each other: compare reads two files");
     if (o.allFloats && !o.fingerprint) throw usageError("--all-floats goes with --fingerprint");

@@ -30,8 +30,9 @@ enum Command : uint32_t {
     kMeasure = 64,
     kMatrix = 128,
     kBench = 256,
+    kPixel = 512,
     kPlan = 1024,
-    kEveryCommand = 127 | kMatrix | kBench | kPlan
+    kEveryCommand = 127 | kMatrix | kBench | kPixel | kPlan
 };
 
 enum class ProgressMode { automatic, bar, plain, json, none };
@@ -122,6 +123,8 @@ struct Options {
     uint32_t pairs = 50;    // pairs of runs of a benchmark's row
 
     bool fingerprint = false, allFloats = false, compare = false;  // of devices
+
+    std::optional<uint32_t> polygon, vertex;  // pixel: what to open, by number from 0
 
     bool man = false;
     std::string completion;  // bash, zsh, fish

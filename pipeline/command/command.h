@@ -23,6 +23,7 @@ Exit devicesCommand(const Options&);
 Exit infoCommand(const Options&);
 Exit matrixCommand(const Options&);
 Exit benchCommand(const Options&);
+Exit pixelCommand(const Options&);
 Exit helpCommand(const Options&);
 
 // Version report of `--version`, and the "tool" of every report.

@@ -41,6 +41,8 @@ plumb::Exit run(const plumb::Options& options) {
             return matrixCommand(options);
         case kBench:
             return benchCommand(options);
+        case kPixel:
+            return pixelCommand(options);
         default:
             return helpCommand(options);
     }

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Sections 11 to 14: vectors, visibility, the fill table and its lines, projection. In binary64.
+// Sections 11 to 14: vectors, visibility, the fill table and its lines, projection. In binary64, by the product's own functions where it has the
+// step: unit vectors, normals and culling of polygons, Zps and whole pixels of the notes' projection, dot products of rays in float32.
+#include "pipeline/render/notes/polygons.h"
+#include "pipeline/render/notes/projection.h"
 #include "pipeline/transform/vector.h"
+#include "shaders/shared/ray.h"
 #include "tests/golden/golden.h"
 #include "tests/golden/notes_fill.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <glm/glm.hpp>
@@ -46,22 +51,26 @@ GOLDEN(s118_magnitude_scaling) {
 }
 void dotSign(Entry& e) {
     e.binary64("dot", dot(e.input("P"), e.input("Q")));
+    e.float32("dot", gpu::dot3(glm::vec3(vectorOf<dvec3>(e.input("P"))), glm::vec3(vectorOf<dvec3>(e.input("Q")))));
     e.binary64("angle_deg", degreesBetween(vectorOf<dvec3>(e.input("P")), vectorOf<dvec3>(e.input("Q"))));
 }
 GOLDEN(s1192_dot_perpendicular) { dotSign(e); }
 GOLDEN(s1192_dot_acute) { dotSign(e); }
 GOLDEN(s1192_dot_obtuse) { dotSign(e); }
+// Normal of the polygon 0, P, Q by the product: P x Q.
 GOLDEN(s1110_cross) {
-    const dvec3 n = glm::cross(vectorOf<dvec3>(e.input("P")), vectorOf<dvec3>(e.input("Q")));
+    const dvec3 n = newellOf(std::array{dvec3(0), vectorOf<dvec3>(e.input("P")), vectorOf<dvec3>(e.input("Q"))}).normal;
     e.binary64("cross", jsonOf(n));
     e.binary64("magnitude", magnitude(n));
     e.binary64("unit", jsonOf(unitVector(n)));
 }
 
 void visibility(Entry& e) {
-    const dvec3 p0 = vectorOf<dvec3>(e.input("P0")), p = vectorOf<dvec3>(e.input("P1")) - p0, q = vectorOf<dvec3>(e.input("P2")) - p0;
-    const dvec3 n = glm::cross(p, q), unit = unitVector(n);
-    const double d = glm::dot(unit, p0), result = glm::dot(unit, vectorOf<dvec3>(e.input("viewpoint"))) - d;
+    const dvec3 p0 = vectorOf<dvec3>(e.input("P0")), p = vectorOf<dvec3>(e.input("P1")) - p0, q = vectorOf<dvec3>(e.input("P2")) - p0,
+                viewpoint = vectorOf<dvec3>(e.input("viewpoint"));
+    const Newell polygon = newellOf(std::array{p0, p0 + p, p0 + q});
+    const dvec3 n = polygon.normal, unit = unitVector(n);
+    const double d = glm::dot(unit, p0), result = glm::dot(unit, viewpoint) - d;
     for (const char* name : {"P", "P_second_table"}) e.binary64(name, jsonOf(p));
     for (const char* name : {"Q", "Q_second_table"}) e.binary64(name, jsonOf(q));
     e.binary64("N", jsonOf(n));
@@ -70,6 +79,8 @@ void visibility(Entry& e) {
     e.binary64("D", d);
     e.binary64("result", result);
     EXPECT_EQ(result > 0, e.data("visible").get<bool>());
+    EXPECT_EQ(polygon.faces(viewpoint - p0, false), e.data("visible").get<bool>()) << "by the product's cull";
+    EXPECT_EQ(polygon.faces(viewpoint - p0, true), !e.data("visible").get<bool>()) << "a mirror turns the polygon around";
 }
 GOLDEN(s12_pyramid_front) { visibility(e); }
 GOLDEN(s12_pyramid_back) { visibility(e); }
@@ -80,7 +91,8 @@ GOLDEN(s123_edge_on) {
     const dvec3 n = vectorOf<dvec3>(e.input("N_unnormalised"));
     const double value = glm::dot(n, vectorOf<dvec3>(e.input("viewpoint"))) - glm::dot(n, vectorOf<dvec3>(e.input("P0")));
     e.exactly("N.V-D_integer", value);
-    e.exactly("visible", value > 0 ? 1 : 0);
+    const Newell polygon{n, glm::abs(n)};
+    e.exactly("visible", polygon.faces(vectorOf<dvec3>(e.input("viewpoint")) - vectorOf<dvec3>(e.input("P0")), false) ? 1 : 0);
 }
 
 std::vector<NotesCorner> cornersOf(const Entry& e, std::initializer_list<const char*> names) {
@@ -146,15 +158,42 @@ GOLDEN(s132_fill_triangle_corrected) {
 }
 
 double projected(double value, double z, double d) { return d * value / (d + z); }
+// A corner by the product's projection: the notes' viewer at (0, 0, -d) before a window of w x h. Empty behind the near plane.
+struct Display {
+    std::vector<gpu::ScanCorner> corners;
+    double zps = 0;
+    Display(const dvec3& vertex, double d, double w, double h) {
+        Pinhole view;
+        view.focal = d;
+        view.near = d / 1024;
+        view.right = {1, 0, 0};
+        view.down = {0, -1, 0};
+        view.forward = {0, 0, 1};
+        view.eye = {0, 0, -d};
+        view.width = w;
+        view.height = h;
+        corners = NotesProjection(view, d).display({{view.viewOf(vertex), glm::vec3(0)}});
+        if (!corners.empty()) zps = std::ldexp(double(corners[0].z), std::ilogb(d));  // the fill's unit is a power of two
+    }
+};
 GOLDEN(s142_zps_values) {
     Json all = Json::array();
-    for (const Json& z : e.input("z")) all.push_back(projected(z.get<double>(), z.get<double>(), e.input("d").get<double>()));
+    Json byProduct = Json::array();
+    const double d = e.input("d").get<double>();
+    for (const Json& z : e.input("z")) {
+        all.push_back(projected(z.get<double>(), z.get<double>(), d));
+        byProduct.push_back(Display({0, 0, z.get<double>()}, d, 400, 400).zps);
+    }
     e.binary64("Zps", all);
+    e.float32("Zps", byProduct);
 }
 GOLDEN(s142_max_distance) {
     const double d = e.input("d").get<double>();
     e.binary64("MaxDistance", d);
     e.binary64("Zps(1e6)", projected(1e6, 1e6, d));
+    e.float32("Zps(1e6)", Display({0, 0, 1e6}, d, 400, 400).zps);
+    EXPECT_LT(Display({0, 0, 1e6}, d, 400, 400).zps, d) << "MaxDistance is beyond every Zps";
+    EXPECT_TRUE(Display({0, 0, -1000}, d, 400, 400).corners.empty()) << "behind the viewer: cut, not divided (A11)";
     e.binary64("Zps(-1000)_behind_viewer", projected(-1000, -1000, d));
 }
 void project(Entry& e) {
@@ -164,6 +203,10 @@ void project(Entry& e) {
     const dvec3 display(e.input("W").get<double>() / 2 + p.x, e.input("H").get<double>() / 2 - p.y, p.z);
     e.binary64("projected", jsonOf(p));
     e.binary64("display_unrounded", jsonOf(display));
+    const Display drawn(v, d, e.input("W").get<double>(), e.input("H").get<double>());
+    ASSERT_EQ(drawn.corners.size(), 1u);
+    EXPECT_EQ(dvec2(drawn.corners[0].x, drawn.corners[0].y), dvec2(std::nearbyint(display.x), std::nearbyint(display.y)));
+    e.float32("display_rounded", {drawn.corners[0].x, drawn.corners[0].y, drawn.zps});
     e.binary64("display_rounded", {std::nearbyint(display.x), std::nearbyint(display.y), display.z});
 }
 GOLDEN(s142_project_a) { project(e); }
