@@ -458,6 +458,14 @@ Device Device::open(const DeviceChoice& choice, const DeviceRequest& request) {
     return device;
 }
 
+void shrink(Device& device, const char* limits) {
+    DeviceImpl& impl = device.impl();
+    uint64_t unusedBudget = impl.memory->budgetBytes();
+    const ShrunkNative native = shrinkLimits(limits, impl.limits, unusedBudget);
+    impl.selfTest.nativeDivideIsExact = impl.selfTest.nativeDivideIsExact && native.divide;
+    impl.selfTest.nativeRootIsExact = impl.selfTest.nativeRootIsExact && native.root;
+}
+
 const DeviceInfo& Device::info() const { return impl_->info; }
 const DeviceLimits& Device::limits() const { return impl_->limits; }
 const SelfTest& Device::selfTest() const { return impl_->selfTest; }

@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include <algorithm>
+#include <functional>
 #include <future>
 #include <map>
 #include <optional>
@@ -336,7 +337,8 @@ std::string keyOf(const Module& module, const Specialization& constants) {
 ConstantsById constantsById(const Module& module, const ModuleReader& reader, const SelfTest& selfTest, Specialization given) {
     ConstantsById byId;
     std::string has;
-    for (const auto& [id, name] : reader.specialized()) {
+    for (const auto& [id, stated] : reader.specialized()) {
+        const std::string name = stated.empty() ? unnamedConstant(id) : stated;
         const auto found = given.find(name);
         if (found != given.end())
             byId[id] = found->second, given.erase(found);
@@ -345,7 +347,7 @@ ConstantsById constantsById(const Module& module, const ModuleReader& reader, co
         else if (name == "kNativeRoot")
             byId[id] = selfTest.nativeRootIsExact;
         else
-            throw renderError(fmt::format("{}: the constant {} is not given", module.name, name.empty() ? fmt::to_string(id) : name));
+            throw renderError(fmt::format("{}: the constant {} is not given", module.name, name));
         has += (has.empty() ? "" : ", ") + name;
     }
     if (!given.empty())
@@ -356,7 +358,41 @@ ConstantsById constantsById(const Module& module, const ModuleReader& reader, co
 
 }  // namespace
 
-void plantDriver(Device& device, ModuleRewriter rewriter) { device.impl().rewriter = std::move(rewriter); }
+std::string unnamedBinding(uint32_t number) { return fmt::format("binding {}", number); }
+std::string unnamedConstant(uint32_t id) { return fmt::format("constant {}", id); }
+
+namespace {
+
+// FNV-1a, a word at a time.
+uint64_t hashOf(std::span<const uint32_t> words) {
+    uint64_t hash = 14695981039346656037u;
+    for (const uint32_t word : words) hash = (hash ^ word) * 1099511628211u;
+    return hash;
+}
+
+// Drops the pipelines of words that the driver would not get any more.
+void dropStale(DeviceImpl& device) {
+    for (auto& [key, begun] : device.making) device.programs.emplace(key, begun.get());
+    device.making.clear();
+    std::erase_if(device.programs, [&](const auto& entry) {
+        const Program& program = entry.second;
+        if (hashOf(device.wordsOf(program.module, program.constants)) == program.wordsHash) return false;
+        device.destroy(program);
+        return true;
+    });
+}
+
+}  // namespace
+
+void plantDriver(Device& device, ModuleRewriter rewriter) {
+    device.impl().rewriter = std::move(rewriter);
+    dropStale(device.impl());
+}
+
+void plantModules(Device& device, std::map<std::string, std::vector<uint32_t>, std::less<>> words) {
+    device.impl().planted = std::move(words);
+    dropStale(device.impl());
+}
 
 bool hasSubgroupOperations(const Device& device) {
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
@@ -388,12 +424,26 @@ void DeviceImpl::prepare(const Module& module, const Specialization& constants) 
     making.emplace(std::move(key), std::async(std::launch::async, [this, &module, constants] { return make(module, constants); }));
 }
 
+ConstantsById DeviceImpl::constantsOf(const Module& module, const Specialization& constants) const {
+    return constantsById(module, ModuleReader(module), selfTest, constants);
+}
+
+std::vector<uint32_t> DeviceImpl::wordsOf(const Module& module, const ConstantsById& constants) const {
+    const auto plant = planted.find(module.name);
+    std::vector<uint32_t> words =
+        foldConstants(plant == planted.end() ? module : Module{module.name, plant->second, module.sha256}, constants);
+    if (rewriter) rewriter(module.name, words);
+    return words;
+}
+
 Program DeviceImpl::make(const Module& module, const Specialization& constants) const {
     ModuleReader reader(module);
     const ConstantsById all = constantsById(module, reader, selfTest, constants);
     Program program;
     program.reflection = reader.reflection(all);
     const Reflection& r = program.reflection;
+    for (ReflectedBinding& binding : program.reflection.bindings)
+        if (binding.name.empty()) binding.name = unnamedBinding(binding.binding);
 
     const uint64_t invocations = uint64_t(r.localSize[0]) * r.localSize[1] * r.localSize[2];
     if (invocations == 0 || invocations > limits.groupInvocations)
@@ -443,8 +493,10 @@ Program DeviceImpl::make(const Module& module, const Specialization& constants) 
     const VkPipelineLayoutCreateInfo layoutInfo{
         VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, nullptr, 0, 1, &program.setLayout, 1, &range};
     VK_CHECK(vk.vkCreatePipelineLayout(handle, &layoutInfo, nullptr, &program.layout));
-    std::vector<uint32_t> words = foldConstants(module, all);
-    if (rewriter) rewriter(module.name, words);
+    const std::vector<uint32_t> words = wordsOf(module, all);
+    program.module = module;
+    program.constants = all;
+    program.wordsHash = hashOf(words);
     const VkShaderModuleCreateInfo shaderInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, nullptr, 0, words.size() * sizeof(uint32_t),
                                               words.data()};
     VK_CHECK(vk.vkCreateShaderModule(handle, &shaderInfo, nullptr, &discard.shader));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/recorder.h"
 
+#include "host/replay.h"
 #include "host/vulkan.h"
 #include "shared/status.h"
 
@@ -10,11 +11,14 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <cstring>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
+#include <string>
 #include <utility>
 
 namespace plumb {
@@ -24,7 +28,8 @@ namespace {
 constexpr uint32_t kSlotsPerBuffer = 1024;
 constexpr uint32_t kQueriesPerPool = 512;
 constexpr uint32_t kSetsPerPool = 64, kDescriptorsPerSet = 8;
-constexpr double kGraceMs = 5000;  // how long a destructor waits for work that ran into the watchdog
+constexpr double kWitnessMs = 60000;  // watchdog of dispatches that a witness sees
+constexpr double kGraceMs = 5000;     // how long a destructor waits for work that ran into the watchdog
 
 const char* kindText(BindingKind kind) {
     switch (kind) {
@@ -113,6 +118,30 @@ CheckedRange checkedRange(const DeviceLimits& limits, const Module& module, cons
                                      bound.buffer->impl().name, limits.texelElements));
     }
     return {bound.offset, range};
+}
+
+std::vector<std::byte> bytesOf(const Binding& binding, uint64_t offset, uint64_t bytes) {
+    const auto* first = static_cast<const std::byte*>(binding.buffer->data()) + offset;
+    return {first, first + bytes};
+}
+
+// Describes a dispatch to a witness, but for what it leaves.
+DispatchRecord recordOf(const DeviceImpl& device, const char* label, const Module& module, uint64_t items, std::span<const uint32_t> push,
+                        std::span<const Binding* const> bindings, std::span<const CheckedRange> ranges, const Specialization& constants) {
+    DispatchRecord record;
+    record.label = label;
+    record.module = module.name;
+    record.constants = device.constantsOf(module, constants);
+    record.words = device.wordsOf(module, record.constants);
+    record.items = items;
+    record.push.assign(push.begin(), push.end());
+    for (size_t i = 0; i < bindings.size(); ++i)
+        record.bindings.push_back({bindings[i]->name,
+                                   bindings[i]->view,
+                                   bindings[i]->elementBytes,
+                                   bytesOf(*bindings[i], ranges[i].offset, ranges[i].range),
+                                   {}});
+    return record;
 }
 
 // Given bindings in the order of the module's own after its status. Each of the module's is given once, and nothing else.
@@ -333,6 +362,8 @@ void RecorderImpl::addTimes(double hostMs) {
     }
 }
 
+const std::set<std::string, std::less<>>& modulesRun(const Device& device) { return device.impl().modulesRun; }
+
 Recorder::Recorder(Device& device) : impl_(std::make_unique<RecorderImpl>(device.impl())) {}
 Recorder::~Recorder() = default;
 Recorder::Recorder(Recorder&&) noexcept = default;
@@ -344,6 +375,7 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     RecorderImpl& r = *impl_;
     r.checkLabel(label);
     DeviceImpl& device = r.device;
+    if (device.witness) run(kWitnessMs);  // the input is what earlier commands leave
     Program& program = device.program(module, constants);
     const Reflection& reflection = program.reflection;
     if (pushBytes != reflection.pushConstantBytes)
@@ -369,7 +401,12 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     const uint32_t slot = r.slots % kSlotsPerBuffer;
     r.status(r.slots) = {};
     std::memcpy(push, &slot, sizeof slot);
+    std::optional<DispatchRecord> witnessed;
+    if (device.witness)
+        witnessed =
+            recordOf(device, label, module, items, {static_cast<const uint32_t*>(push), pushBytes / 4}, bindings, ranges, constants);
 
+    device.modulesRun.emplace(module.name);
     r.begin();
     const VkDescriptorSet set = r.allocateSet(program.setLayout, uint32_t(reflection.bindings.size()));
     std::vector<VkDescriptorBufferInfo> buffers(reflection.bindings.size());
@@ -400,7 +437,21 @@ void Recorder::record(const char* label, const Module& module, uint64_t items, v
     device.vk.vkCmdDispatch(r.commands, uint32_t(columns), uint32_t(rows), 1);
     r.endCommand({label, true, r.slots, uint32_t(columns * rows)});
     ++r.slots;
-    runWhenDue();
+    if (!witnessed) return runWhenDue();
+    // The dispatch by itself, and what it leaves, also where it fails.
+    const auto tell = [&] {
+        for (size_t i = 0; i < bindings.size(); ++i)
+            witnessed->bindings[i].after = bytesOf(*bindings[i], ranges[i].offset, ranges[i].range);
+        device.witness(*witnessed);
+    };
+    try {
+        run(kWitnessMs);
+    } catch (const Error& error) {
+        witnessed->failure = error.what();
+        tell();
+        throw;
+    }
+    tell();
 }
 
 void Recorder::fill(const char* label, const RawBuffer& buffer, uint32_t word, uint64_t offset, uint64_t bytes) {

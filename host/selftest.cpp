@@ -183,11 +183,11 @@ bool readSelfTestCache(const std::string& text, const std::string& key, SelfTest
     return true;
 }
 
-SelfTest runSelfTest(Device& device) {
+SelfTest runSelfTest(Device& device, bool mayCache) {
     const auto start = std::chrono::steady_clock::now();
     Recorder recorder(device);
     const std::string key = cacheKey(device);
-    std::filesystem::path file = cacheFolder();
+    std::filesystem::path file = mayCache ? cacheFolder() : std::filesystem::path();
     if (!file.empty()) file /= fmt::format("selftest-{:016x}", fnv1a(key));
     SelfTest verdict;
     bool cached = !file.empty() && readSelfTestCache(readCache(file), key, verdict);

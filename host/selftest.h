@@ -14,8 +14,8 @@ namespace plumb {
 
 // Runs the canaries always, and the full vectors unless $XDG_CACHE_HOME/plumbline (else ~/.cache/plumbline) holds their verdict for this
 // device, driver and module. A cache that is missing, corrupt or unwritable costs time only; a verdict that refuses the device is not
-// stored. Throws Error when the device cannot run a dispatch at all.
-SelfTest runSelfTest(Device& device);
+// stored. `mayCache` false: the full vectors run whatever is stored. Throws Error when the device cannot run a dispatch at all.
+SelfTest runSelfTest(Device& device, bool mayCache = true);
 
 // Operands of the self-test, kSelfTestVectors of them: significands at and around the ends, the others random; the same on every machine.
 std::vector<gpu::SelfTestVector> selfTestVectors();

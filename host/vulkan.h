@@ -9,16 +9,19 @@
 #include "host/error.h"
 #include "host/program.h"
 #include "host/recorder.h"
+#include "host/replay.h"
 
 #include <volk.h>
 #include <cstdint>
 
+#include <functional>
 #include <future>
 #include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -120,11 +123,19 @@ struct BufferImpl {
     }
 };
 
+// Names by which a recorder is given the bindings and constants of a module without names.
+std::string unnamedBinding(uint32_t number);
+std::string unnamedConstant(uint32_t id);
+
 struct Program {
     Reflection reflection;
     VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;
     VkPipeline pipeline = VK_NULL_HANDLE;
+    // Module that it was made of, its constants, and the hash of the words that the driver got: for plantDriver().
+    Module module;
+    ConstantsById constants;
+    uint64_t wordsHash = 0;
 };
 
 // Applies PLUMB_LIMITS. Throws Error(device) on an unknown name or a value above the device's own.
@@ -153,8 +164,11 @@ struct DeviceImpl {
     std::shared_ptr<MemoryPool> memory;
     VkPipelineCache pipelineCache = VK_NULL_HANDLE;
     std::map<std::string, Program> programs;
-    std::map<std::string, std::future<Program>> making;  // pipelines that prepare() began and nobody has used yet
-    ModuleRewriter rewriter;                             // of tests; empty: modules are loaded as they are
+    std::map<std::string, std::future<Program>> making;                 // pipelines that prepare() began and nobody has used yet
+    ModuleRewriter rewriter;                                            // of tests; empty: modules are loaded as they are
+    std::map<std::string, std::vector<uint32_t>, std::less<>> planted;  // of tests: words in place of a module's own, by its name
+    std::set<std::string, std::less<>> modulesRun;                      // names of what was dispatched
+    DispatchWitness witness;                                            // empty: nobody wants the bytes of dispatches
     // True after a fence timed out: work may still run, so nothing that it uses may be destroyed.
     bool hung = false;
 
@@ -168,6 +182,9 @@ struct DeviceImpl {
     // Begins to make a pipeline on a thread of its own. Its errors are thrown by program().
     void prepare(const Module& module, const Specialization& constants);
     Program make(const Module& module, const Specialization& constants) const;
+    // Values of all constants of the module, and its words as the driver reads them.
+    ConstantsById constantsOf(const Module& module, const Specialization& constants) const;
+    std::vector<uint32_t> wordsOf(const Module& module, const ConstantsById& constants) const;
     void destroy(const Program& program) const;
 };
 

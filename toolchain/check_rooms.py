@@ -4,7 +4,7 @@
 
 The order (a room may include itself and what stands before it):
 
-    shaders/shared < host < transform < choices < scene < detail < passes < render < truth < pixel, measure, bench, fingerprint, image < library, compare, report < cli < command < tests
+    shaders/shared < host < transform < choices < scene < detail < passes < render < truth < pixel, measure, bench, fingerprint, image < suite < library, compare, report < cli < command < tests
 
 Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
 render/ strings together. cli/ stands late and may include choices/ and scene/ only: it turns words into a request and knows nothing of passes;
@@ -70,6 +70,9 @@ ROOMS = {
         ["glm", "fmt", "eigen", "embree"]),
     "pipeline/fingerprint": ("what a device does with numbers: questions, exact answers, what two devices do differently",
         ["pipeline/fingerprint", "pipeline/passes/parallel.h", "pipeline/scene/sha256.h", "host", "shaders/shared", "spirv"], ["glm", "fmt", "json"]),
+    "pipeline/suite": ("built-in scenes that run every module, and what a device did wrong made small and kept as files",
+        ["pipeline/suite", "pipeline/bench", "pipeline/fingerprint", "pipeline/render", "pipeline/passes", "pipeline/scene", "pipeline/choices", "host", "shaders/shared", "spirv"],
+        ["glm", "fmt", "json"]),
     "pipeline/command": ("the commands; ties all rooms together and is included by none",
         ["pipeline", "host"], ["cli", "glm", "fmt", "json"]),
     "examples": ("the library from outside, through the installed headers only",

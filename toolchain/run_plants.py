@@ -218,8 +218,8 @@ class Worker:
                 named[raw].append(name)
         return [(names, lambda names=names, raw=raw: self.module(names[0], raw)) for raw, names in named.items()]
 
-    def module(self, name, raw):
-        """Object of a planted module; None when the fault does not reach it."""
+    def spirv(self, raw):
+        """Path of a planted module's words without its ending; None when the fault does not reach it."""
         stem = os.path.join(self.out, os.path.basename(raw)[:-len(".raw.spv")])
         places = {end: stem + end for end in (".glslang.spv", ".raw.spv", ".judged.spv", ".spv", ".h", ".cpp")}
         placed = lambda words: [next((place for end, place in places.items() if word.endswith(end)), word) for word in words]
@@ -233,7 +233,12 @@ class Worker:
             return None
         embed = self.build.command_of(raw.replace(".raw.spv", ".spv"))
         self.call(placed(embed))
-        return self.compiled(name, stem + ".cpp")
+        return stem
+
+    def module(self, name, raw):
+        """Object of a planted module; None when the fault does not reach it."""
+        stem = self.spirv(raw)
+        return stem and self.compiled(name, stem + ".cpp")
 
     def attempts(self, rows, texts):
         """Programs with the texts in them, of rows of one program and side: first in what bears the program's own name only (the test, its pass's twin or

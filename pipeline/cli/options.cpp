@@ -24,8 +24,8 @@ struct Refused {};
 
 constexpr uint32_t kDraw = kRender | kVerify | kMeasure | kPlan | kPixel;
 constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix | kBench | kMeasure | kPlan | kPixel;
-constexpr uint32_t kReports = kRender | kVerify | kDevices | kInfo | kMatrix | kDiff | kBench | kMeasure | kPlan | kPixel;
-constexpr uint32_t kUsesDevice = kRender | kVerify | kDevices | kBench | kMeasure | kPlan | kPixel;
+constexpr uint32_t kReports = kRender | kVerify | kReplay | kDevices | kInfo | kMatrix | kDiff | kBench | kMeasure | kPlan | kPixel;
+constexpr uint32_t kUsesDevice = kRender | kVerify | kReplay | kDevices | kBench | kMeasure | kPlan | kPixel;
 constexpr uint32_t kLargestSide = 65536;
 
 // All of `text`, without a locale; NaN, infinity and out of range are refused.
@@ -219,14 +219,18 @@ void addJitter(Options& o, const std::string& text) {
     }
 }
 
-// Milliseconds, at least 1.
-double duration(const std::string& text) {
+double milliseconds(const std::string& text) {
     std::string_view digits = text;
     double unit = 0;
     for (const auto& [word, ms] : {std::pair("ms", 1.0), std::pair("min", 60000.0), std::pair("s", 1000.0)})
         if (unit == 0 && digits.ends_with(word)) unit = ms, digits.remove_suffix(std::string_view(word).size());
     if (unit == 0) throw Refused{};
-    const double ms = real(digits, 0, 1e9) * unit;
+    return real(digits, 0, 1e9) * unit;
+}
+
+// Milliseconds, at least 1.
+double duration(const std::string& text) {
+    const double ms = milliseconds(text);
     if (!(ms >= 1)) throw Refused{};
     return ms;
 }
@@ -325,7 +329,7 @@ const std::vector<Flag> kFlags = {
     {"--memory", "BYTES", "budget of device memory; K, M, G are powers of 1024", "half of the free memory at most", "a whole number with K, M or G, at least 1M", kNoWords,
      kUsesDevice,
      setMemory},
-    {"--watchdog", "MS", "give a dispatch up after this time", "60000", "milliseconds, 1 to 86400000", kNoWords, kDraw | kBench,
+    {"--watchdog", "MS", "give a dispatch up after this time", "60000", "milliseconds, 1 to 86400000", kNoWords, kDraw | kBench | kReplay,
      [](Options& o, const std::string& v) { o.watchdogMs = real(v, 1, 86400000); }},
     {"--limit-chunk", "N", "triangles of a chunk (tests)", "the device's", "a whole number above 0", kNoWords, kDraw,
      [](Options& o, const std::string& v) { o.limitChunk = number<uint64_t>(v, 1, ~uint64_t(0)); }, false, true},
@@ -369,7 +373,7 @@ const std::vector<Flag> kFlags = {
          o.jsonFile = v == "-" ? "" : v;
      }},
     {"--progress", "MODE", "progress on standard error; auto is a bar on a terminal and nothing elsewhere", "auto", "auto, bar, plain, json, none",
-     {"auto", "bar", "plain", "json", "none"}, kDraw | kBench | kInfo | kDevices,
+     {"auto", "bar", "plain", "json", "none"}, kDraw | kBench | kInfo | kDevices | kReplay,
      [](Options& o, const std::string& v) {
          o.progress = oneOf<ProgressMode>(v, {{"auto", ProgressMode::automatic}, {"bar", ProgressMode::bar}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}});
      }},
@@ -421,6 +425,18 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string& v) { o.vertices = number<uint64_t>(v, 1, 100000000); }},
     {"--repeat", "N", "measure each row of a benchmark N times, its sides in turn", "50", "a whole number, 3 to 100000", kNoWords, kBench,
      [](Options& o, const std::string& v) { o.pairs = number<uint32_t>(v, 3, 100000); }},
+    {"--suite", "", "draw built-in scenes that run every pass and every module, instead of scenes of yours; one line a test", "", "", kNoWords, kVerify,
+     [](Options& o, const std::string&) { o.suite = true; }},
+    {"--junit", "FILE", "write the tests of --suite as JUnit XML", "", "a path", kFile, kVerify, [](Options& o, const std::string& v) { o.junit = v; }},
+    {"--capsule", "DIR", "where the sides differ: make the scene small, and write the dispatch at fault with its input, what is expected and what came, for `plumb replay`", "", "a folder that is new or empty", kFile, kVerify,
+     [](Options& o, const std::string& v) {
+         if (v.empty()) throw Refused{};
+         o.capsule = v;
+     }},
+    {"--reduce", "TIME", "longest time to make the scene of a capsule small; 0s keeps it", "30s", "a time with ms, s or min, e.g. 10s", kNoWords, kVerify,
+     [](Options& o, const std::string& v) { o.reduceMs = milliseconds(v); }},
+    {"--times", "N", "run the dispatch N times", "20", "a whole number, 1 to 100000", kNoWords, kReplay,
+     [](Options& o, const std::string& v) { o.times = number<uint32_t>(v, 1, 100000); }},
     {"--fingerprint", "", "ask the picked device what it does with numbers: errors of each operation, contraction, subnormals, NaN, loops, and one hash", "", "", kNoWords, kDevices,
      [](Options& o, const std::string&) { o.fingerprint = true; }},
     {"--all-floats", "", "for the fingerprint: every float32 of sqrt, inversesqrt, exp2, log2, sin and cos, too (minutes)", "", "", kNoWords, kDevices,
@@ -460,11 +476,25 @@ const std::vector<CommandRow> kCommands = {
      "Draws each scene on the device and by the CPU twin and compares them twice: each pass on the twin's input, and the whole chain on "
      "each side's own output. "
      "Prints every plane with its SHA-256. Exit 1 names the first differing tile, pixel, both values, ULP distance, object and primitive, "
-     "and with -o writes both pictures and their difference beside it.",
+     "and with -o writes both pictures and their difference beside it. "
+     "With --suite it draws built-in scenes, which need no file. With --capsule it writes a difference as one dispatch that others can "
+     "run.",
      {{{"plumb verify scene.toml", "all passes and planes at the scene's size"},
-       {"plumb verify *.obj --size 333x211 --samples 4", "several meshes at an awkward size"},
+       {"plumb verify --suite --junit suite.xml", "every pass and module of this program on this device"},
        {"plumb verify mug.obj --device lavapipe --json=verify.json -o verify/mug.png",
         "one device, a report, and pictures in case of a difference"}}}},
+    {kReplay,
+     "replay",
+     "CAPSULE",
+     "run the dispatch of a capsule again",
+     "Runs the module of a capsule (`plumb verify --capsule`) on its input, so many times, and counts the distinct results. Needs no "
+     "scene. "
+     "Exit 0: every result is the expected one. Exit 1: one is not, and the first value that differs is named. Exit 3: the folder is torn, "
+     "or "
+     "no capsule.",
+     {{{"plumb replay capsule", "20 runs"},
+       {"plumb replay capsule --device lavapipe --times 1000", "more runs, on another device"},
+       {"plumb replay capsule --json", "the results for programs"}}}},
     {kDiff,
      "diff",
      "A B",
@@ -653,6 +683,12 @@ void checkTogether(const Options& o) {
     if (o.polygon && o.vertex) throw usageError("--polygon and --vertex exclude each other");
     if (o.compare && (o.fingerprint || o.allFloats))
         throw usageError("--compare and --fingerprint exclude each other: compare reads two files");
+    if (o.suite && !o.inputs.empty()) throw usageError("--suite has its own scenes: leave the operands out");
+    if (o.suite &&
+        (o.size || o.shading || o.fill || o.encoding || o.samples != 1 || !o.traded.empty() || !o.views.empty() || o.turntable != 0))
+        throw usageError("--suite has its own pictures: leave the flags that change one out");
+    if (!o.junit.empty() && !o.suite) throw usageError("--junit goes with --suite");
+    if (o.suite && !o.output.empty()) throw usageError("--suite writes no pictures: leave --output out");
     if (o.allFloats && !o.fingerprint) throw usageError("--all-floats goes with --fingerprint");
     if (o.command == kDevices && !o.output.empty() && (!o.fingerprint || lowerExtension(o.output) != ".html"))
         throw usageError(o.fingerprint ? fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output))
@@ -760,7 +796,7 @@ Options parseOptions(const std::vector<std::string>& arguments) {
     } else if (row.operands[0] == '\0' || (options.command == kDevices && !options.compare)) {
         if (!options.inputs.empty())
             throw usageError(fmt::format("`plumb {}` takes no operand, and '{}' is one", row.name, printable(options.inputs[0])));
-    } else if (options.inputs.empty()) {
+    } else if (options.inputs.empty() && !options.suite) {
         throw usageError(fmt::format("`plumb {}` needs {}", row.name, row.operands));
     }
     if (options.compare && options.inputs.size() != 2)

@@ -32,7 +32,8 @@ enum Command : uint32_t {
     kBench = 256,
     kPixel = 512,
     kPlan = 1024,
-    kEveryCommand = 127 | kMatrix | kBench | kPixel | kPlan
+    kReplay = 2048,
+    kEveryCommand = 127 | kMatrix | kBench | kPixel | kPlan | kReplay
 };
 
 enum class ProgressMode { automatic, bar, plain, json, none };
@@ -121,6 +122,12 @@ struct Options {
     bool rowNotation = false, zReversed = false, inverse = false;
     uint64_t vertices = 0;  // matrix: to be transformed, counted and timed
     uint32_t pairs = 50;    // pairs of runs of a benchmark's row
+
+    bool suite = false;       // of verify
+    std::string junit;        // empty: not given
+    std::string capsule;      // folder; empty: not given
+    double reduceMs = 30000;  // longest time to make a capsule's scene small
+    uint32_t times = 20;      // of replay
 
     bool fingerprint = false, allFloats = false, compare = false;  // of devices
 

@@ -16,6 +16,7 @@ using Json = nlohmann::ordered_json;  // keys in the order in which docs/outputs
 
 Exit renderCommand(const Options&);
 Exit verifyCommand(const Options&);
+Exit replayCommand(const Options&);
 Exit diffCommand(const Options&);
 Exit measureCommand(const Options&);
 Exit planCommand(const Options&);

@@ -27,6 +27,8 @@ plumb::Exit run(const plumb::Options& options) {
             return renderCommand(options);
         case kVerify:
             return verifyCommand(options);
+        case kReplay:
+            return replayCommand(options);
         case kDiff:
             return diffCommand(options);
         case kMeasure:
@@ -56,7 +58,8 @@ int fail(plumb::Exit exit, const char* message) {
 // True when a command writes files. Its report then is a part of the result: a reader that leaves is a failure. A text alone is cut where
 // its reader has had enough.
 bool makesFiles(const plumb::Options& options) {
-    return !options.output.empty() || !options.heat.empty() || !options.jsonFile.empty() || !options.csvFile.empty();
+    return !options.output.empty() || !options.heat.empty() || !options.jsonFile.empty() || !options.csvFile.empty() ||
+           !options.junit.empty() || !options.capsule.empty();
 }
 
 }  // namespace

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 // plumb verify: the device against the twin, plane by plane. A difference is a verdict (exit 1), not a failure.
 #include "pipeline/cli/progress.h"
+#include "pipeline/command/capsules.h"
 #include "pipeline/command/command.h"
 #include "pipeline/command/detail_report.h"
 #include "pipeline/command/interrupt.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
+#include "pipeline/command/suite_command.h"
 #include "pipeline/command/views.h"
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/scene/text.h"
+#include "pipeline/suite/reduce.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -194,7 +197,7 @@ private:
         input.scene.camera = view.camera;
         input.scene.lights = view.lights;
         progress_.begin(fmt::format("verify {}/{}", number + 1, input.count), begin, end);
-        const VerifyReport report = verifyRender(*renderer_.device(), input.scene, input.request);
+        const VerifyReport report = verified(input, number);
         stopIfInterrupted();
         progress_.update(1);
         progress_.clear();
@@ -204,10 +207,32 @@ private:
             say(options_, nothingSeen(report.twin.counters));
         std::vector<std::string> written;
         if (!report.equal) written = writeEvidence(options_, files_, report, number, input.count, input.request.transparent);
+        if (!report.equal) keepCapsule(input, number, report.mismatches[0].pass);
         const std::string title = fmt::format("{}{}{} {}x{} {}", printable(input.path), view.name.empty() ? "" : " ", view.name,
                                               input.size.x, input.size.y, nameOf(input.request.shading));
         tellText(textOf(title, report, written));
         if (options_.json) reports_.push_back(reportOf(input, view, report, written));
+    }
+
+    // A device that fails is a difference too, which a capsule can hold.
+    VerifyReport verified(const Input& input, size_t number) {
+        try {
+            return verifyRender(*renderer_.device(), input.scene, input.request);
+        } catch (const Error& error) {
+            if (error.exit() == Exit::failed && !options_.capsule.empty())
+                keepCapsule(input, number, suite::differingPass(*renderer_.device(), input.scene, input.request));
+            throw;
+        }
+    }
+
+    void keepCapsule(const Input& input, size_t number, const std::string& pass) {
+        if (options_.capsule.empty()) return;
+        fs::path folder = options_.capsule;
+        if (input.count > 1) folder /= std::to_string(number);
+        progress_.begin("reduce", 0, 1);
+        const std::string line = writeCapsule(options_, *renderer_.device(), input.scene, input.request, pass, folder, progress_);
+        progress_.clear();
+        say(options_, line);
     }
 
     // Prints the text when the files that it names are there.
@@ -271,7 +296,9 @@ private:
 
 Exit verifyCommand(const Options& options) {
     const auto start = std::chrono::steady_clock::now();
+    if (options.suite) return suiteCommand(options);
     refuseOutput(options);
+    refuseCapsuleFolder(options);
     Renderer renderer(deviceRequestOf(options));
     refuseTwinAlone(renderer);
     if (options.verbose != 0) say(options, fmt::format("device: {}", renderer.choice().reason));

@@ -2,7 +2,7 @@
 // Comparisons of verify: values of the twin and the device, bit for bit or within the bound of the device's own functions.
 #pragma once
 
-#include "pipeline/render/render.h"
+#include "pipeline/render/evidence.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace plumb {
 
@@ -27,8 +28,8 @@ bool sameBits(const T& a, const T& b) {
 
 class StageCheck {
 public:
-    // Adds to report.passes and report.mismatches. Colours are compared with the bound of the report.
-    explicit StageCheck(VerifyReport& report) : report_(report) {}
+    // Adds to report.passes and report.mismatches, and to `evidence` unless that is null. Colours are compared with the bound of the report.
+    StageCheck(VerifyReport& report, std::vector<VerifyEvidence>* evidence) : report_(report), evidence_(evidence) {}
 
     // Compares the output of a pass on both sides. `element`: name of one of its values in a message.
     template <class T>
@@ -40,10 +41,22 @@ public:
             what += fmt::format("twin has words {}, device has {}", wordsOf(want[size_t(at)]), wordsOf(got[size_t(at)]));
         else
             what += fmt::format("twin has {} of them, device has {}", want.size(), got.size());
+        if (want.size() == got.size()) keep(pass, element, want, got);
         differs(pass, what);
+    }
+    // Keeps the bytes of both sides beside the mismatch that differs() adds.
+    template <class T>
+    void keep(const char* pass, const char* element, std::span<const T> want, std::span<const T> got) {
+        if (evidence_ == nullptr) return;
+        const auto bytesOf = [](std::span<const T> values) {
+            const std::span<const std::byte> bytes = std::as_bytes(values);
+            return std::vector<std::byte>(bytes.begin(), bytes.end());
+        };
+        evidence_->push_back({pass, element, uint32_t(sizeof(T)), bytesOf(want), bytesOf(got)});
     }
     // Compares colours of the pass illuminate, which may be as far apart as the bound.
     void compareColours(const char* element, std::span<const glm::vec4> want, std::span<const glm::vec4> got);
+    bool coloursAsNear(const glm::vec4& twin, const glm::vec4& device) const;  // asNear() of each channel
     // True for the same bits, or values as near as the device's own functions must be.
     bool asNear(float twin, float device, size_t channel) const;
 
@@ -69,6 +82,7 @@ private:
     std::pair<std::string, bool>& entryOf(const char* pass);
 
     VerifyReport& report_;
+    std::vector<VerifyEvidence>* const evidence_;
 };
 
 }  // namespace plumb

@@ -35,8 +35,8 @@ std::string hashOf(const std::vector<T>& v) {
 
 class Verifier {
 public:
-    Verifier(Device& device, const Scene& scene, const RenderRequest& request)
-        : device_(device), scene_(scene), request_(request), technique_(techniqueOf(scene, request)), check_(report_) {}
+    Verifier(Device& device, const Scene& scene, const RenderRequest& request, std::vector<VerifyEvidence>* evidence)
+        : device_(device), scene_(scene), request_(request), technique_(techniqueOf(scene, request)), check_(report_, evidence) {}
 
     VerifyReport run() {
         refuse(scene_, request_);
@@ -101,6 +101,7 @@ private:
         }
         report_.planes.push_back(plane);
         if (first < 0) return;
+        check_.keep<T>(technique_.wholePass != nullptr ? technique_.wholePass : name, name, twin, device);
         const size_t pixel = size_t(first) / channels, width = report_.twin.frame.width;
         const size_t x = pixel % width, y = pixel / width;
         std::string values = fmt::format("twin has {}, device has {}", twin[size_t(first)], device[size_t(first)]);
@@ -183,7 +184,12 @@ private:
 
 VerifyReport verifyRender(Device& device, const Scene& scene, const RenderRequest& request) {
     const PlainFloats plain;
-    return Verifier(device, scene, request).run();
+    return Verifier(device, scene, request, nullptr).run();
+}
+
+VerifyReport verifyRender(Device& device, const Scene& scene, const RenderRequest& request, std::vector<VerifyEvidence>& evidence) {
+    const PlainFloats plain;
+    return Verifier(device, scene, request, &evidence).run();
 }
 
 }  // namespace plumb

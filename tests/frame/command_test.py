@@ -809,7 +809,7 @@ class Telling(Command):
             line = script + 'COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _plumb; printf "%s\\n" "${COMPREPLY[@]}"'
             return subprocess.run(["bash", "-c", line, "plumb", *words], capture_output=True, text=True, check=True, cwd=self.folder).stdout.split()
 
-        self.assertEqual(completed("plumb", "re"), ["render"])
+        self.assertEqual(completed("plumb", "re"), ["render", "replay"])
         self.assertEqual(completed("plumb", "render", "--shad"), ["--shading"])
         self.assertEqual(completed("plumb", "render", "--shading", "g"), ["gouraud"])
         self.assertEqual(completed("plumb", "render", "cu"), ["cube.obj"])

@@ -2,11 +2,13 @@
 // The command with a renderer that fails as PLUMB_FAULT says, so that the paths after a failure are walked by the real program:
 // lost-once, lost (the device throws), nan (a NaN in a drawn pixel), differs (verify finds a difference).
 #include "host/error.h"
+#include "pipeline/render/evidence.h"
 #include "pipeline/render/render.h"
 
 #include <cstdlib>
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace plumb {
 namespace {
@@ -39,6 +41,10 @@ VerifyReport verifyRender(Device&, const Scene& scene, const RenderRequest& requ
         report.mismatches = {{"fill", true, "tile (0, 0), pixel (0, 0): twin has 0, device has 1 (planted)"}};
     }
     return report;
+}
+
+VerifyReport verifyRender(Device& device, const Scene& scene, const RenderRequest& request, std::vector<VerifyEvidence>&) {
+    return verifyRender(device, scene, request);
 }
 
 }  // namespace plumb

@@ -43,6 +43,14 @@ class PolygonPicture : public PreparedPicture {
 public:
     using PreparedPicture::PreparedPicture;
 
+    void verifyStages(Device& device, StageCheck& check) override {
+        RenderResult unused;
+        unused.plan = p_.plan;
+        PlaneWriter writer(p_, request_, unused.frame);
+        const std::unique_ptr<NotesSide> side = checkedSideOf(device, p_, request_, unused, check);
+        drawPolygons(scene_, p_, request_, *side, writer, unused);
+    }
+
 private:
     void draw(Device* device, PlaneWriter& writer, RenderResult& result) override {
         const std::unique_ptr<NotesSide> side = notesSideOf(device, p_, request_, result);

@@ -3,6 +3,7 @@
 
 #include "pipeline/passes/illuminate.h"
 #include "pipeline/passes/parallel.h"
+#include "pipeline/render/stage_check.h"
 #include "pipeline/render/stopwatch.h"
 
 #include <algorithm>
@@ -104,7 +105,10 @@ public:
         }
         return all;
     }
-    ScanCanvas paint(const ScanList& list) override { return scanlineGpu(device_, recorder_, list, {}, watchdogMs_, nullptr); }
+    ScanCanvas paint(const ScanList& list) override { return paint(list, nullptr); }
+    ScanCanvas paint(const ScanList& list, std::vector<gpu::ScanSpan>* spans) {
+        return scanlineGpu(device_, recorder_, list, {}, watchdogMs_, spans);
+    }
     void finish() override {
         const std::vector<PassTime> times = recorder_.takeTimes();
         result_.times.insert(result_.times.end(), times.begin(), times.end());
@@ -122,7 +126,42 @@ private:
     Buffer<gpu::LightRecord> lights_;
 };
 
+class CheckedSide : public NotesSide {
+public:
+    CheckedSide(Device& device, const Prepared& p, const RenderRequest& request, RenderResult& result, StageCheck& check)
+        : twin_(p, request, result), device_(device, p, request, result), check_(check) {}
+    std::vector<glm::vec4> illuminate(const NotesPoints& points, uint32_t record) override {
+        std::vector<glm::vec4> colours = twin_.illuminate(points, record);
+        check_.compareColours("colour of point", colours, device_.illuminate(points, record));
+        return colours;
+    }
+    ScanCanvas paint(const ScanList& list) override {
+        ScanCanvas want = twin_.paint(list);
+        std::vector<gpu::ScanSpan> spans;
+        const ScanCanvas got = device_.paint(list, &spans);
+        const std::vector<gpu::ScanSpan> wantSpans = scanSpansCpu(list);
+        check_.compare<gpu::ScanSpan>("scanline", "line", wantSpans, spans);
+        // The second kernel reads what the first left: it is judged where that is the twin's.
+        if (wantSpans.size() == spans.size() && std::equal(spans.begin(), spans.end(), wantSpans.begin(), sameBits<gpu::ScanSpan>)) {
+            check_.compare<uint32_t>("scanpaint", "polygon of sample", want.owner, got.owner);
+            check_.compare<float>("scanpaint", "z of sample", want.z, got.z);
+            check_.compare<glm::vec3>("scanpaint", "attributes of sample", want.attributes, got.attributes);
+        }
+        return want;
+    }
+
+private:
+    TwinSide twin_;
+    DeviceSide device_;
+    StageCheck& check_;
+};
+
 }  // namespace
+
+std::unique_ptr<NotesSide> checkedSideOf(Device& device, const Prepared& prepared, const RenderRequest& request, RenderResult& result,
+                                         StageCheck& check) {
+    return std::make_unique<CheckedSide>(device, prepared, request, result, check);
+}
 
 std::unique_ptr<NotesSide> notesSideOf(Device* device, const Prepared& prepared, const RenderRequest& request, RenderResult& result) {
     if (device == nullptr) return std::make_unique<TwinSide>(prepared, request, result);

@@ -12,6 +12,8 @@
 
 namespace plumb {
 
+class StageCheck;
+
 // Points of one object to be illuminated: positions and normals in its space.
 struct NotesPoints {
     std::vector<glm::vec4> positions, normals;
@@ -31,5 +33,8 @@ public:
 
 // Null: the twin.
 std::unique_ptr<NotesSide> notesSideOf(Device* device, const Prepared& prepared, const RenderRequest& request, RenderResult& result);
+// Side that runs each pass on both and compares them; what it gives is the twin's.
+std::unique_ptr<NotesSide> checkedSideOf(Device& device, const Prepared& prepared, const RenderRequest& request, RenderResult& result,
+                                         StageCheck& check);
 
 }  // namespace plumb

@@ -7,6 +7,7 @@
 #include "pipeline/render/planes.h"
 #include "pipeline/render/preparing.h"
 #include "pipeline/render/rays/rays.h"
+#include "pipeline/render/stage_check.h"
 #include "pipeline/render/walk.h"
 #include "pipeline/scene/text.h"
 
@@ -151,6 +152,20 @@ Prepared prepareSpheres(const Scene& scene, const RenderRequest& request, RunsOn
 class SpheresPicture : public PreparedPicture {
 public:
     using PreparedPicture::PreparedPicture;
+
+    void verifyStages(Device& device, StageCheck& check) override {
+        const Listed listed = listOf(scene_, p_, request_);
+        Recorder recorder(device);
+        recorder.allow(p_.plan.labels(RunsOn::device));
+        const SphereCanvas want = spheresCpu(listed.list, lightOf(scene_, p_), threadCount(request_.threads));
+        const SphereCanvas got = spheresGpu(device, recorder, listed.list, lightOf(scene_, p_), {}, request_.watchdogMs);
+        check.compare<float>("spheres", "depth of pixel", want.depth, got.depth);
+        check.compare<uint32_t>("spheres", "sphere of pixel", want.owner, got.owner);
+        std::vector<glm::vec4> colour = got.colour;  // nothing is shaded, and nothing is compared, where no sphere is
+        for (size_t i = 0; i < colour.size(); ++i)
+            if (want.owner[i] != gpu::kNoSphere && !check.coloursAsNear(want.colour[i], got.colour[i])) colour[i] = want.colour[i];
+        check.compare<glm::vec4>("spheres", "colour of pixel", colour, got.colour);
+    }
 
 private:
     void draw(Device* device, PlaneWriter& writer, RenderResult& result) override {

@@ -66,16 +66,16 @@ private:
     void setUpAndClip() {
         frame_.setup();
         check_.compare<gpu::DrawTriangle>("setup", "drawn triangle", twin_.draws, frame_.draws().first(twin_.draws.size()));
-        // A clip job owns 8 corners and uses those that its fan names.
-        std::vector<gpu::ScreenVertex> wantCorners, gotCorners;
-        std::vector<glm::vec4> wantAttributes, gotAttributes;
+        // A clip job owns 8 corners and uses those that its fan names: the others are not compared.
+        const std::vector<gpu::ScreenVertex> gotCorners(frame_.screen().begin(), frame_.screen().end());
+        const std::vector<glm::vec4> gotAttributes(frame_.attributes().begin(), frame_.attributes().end());
+        std::vector<gpu::ScreenVertex> wantCorners = gotCorners;
+        std::vector<glm::vec4> wantAttributes = gotAttributes;
         for (const gpu::DrawTriangle& d : twin_.draws)
             for (uint32_t v : d.vertex)
                 if (v >= list_.positions.size() && d.vertex[0] != d.vertex[1]) {
-                    wantCorners.push_back(twin_.screen[v]);
-                    gotCorners.push_back(frame_.screen()[v]);
-                    wantAttributes.push_back(twin_.attributes[v]);
-                    gotAttributes.push_back(frame_.attributes()[v]);
+                    wantCorners[v] = twin_.screen[v];
+                    wantAttributes[v] = twin_.attributes[v];
                 }
         check_.compare<gpu::ScreenVertex>("clip", "clipped corner", wantCorners, gotCorners);
         if (p_.choices.shading >= gpu::kShadingGouraud)
@@ -106,23 +106,42 @@ private:
             if (!draw[i]) std::copy_n(&p_.backgroundLinear[0], 3, linear.begin() + ptrdiff_t(3 * i));
         shadeCpu(band, list_, p_.choices, twin_.draws, twin_.screen,
                  p_.choices.shading == gpu::kShadingFlat ? twin_.faceColours : twin_.attributes, z, draw, linear, {}, threads_);
-        for (size_t at = 0; at < samples; ++at)
-            if (!samePixel(band, at, z[at], draw[at], &linear[3 * at])) return;
+        for (size_t at = 0; at < samples; ++at) {
+            const int plane = differingPlane(band, at, z[at], draw[at], &linear[3 * at]);
+            if (plane < 0) continue;
+            keepPlane(band, plane < 2 ? "fill" : "shade", uint32_t(plane), [&](size_t i) {
+                if (plane == 0) return uint32_t(z[i]);
+                return plane == 1 ? triangleOf(draw[i]) : gpu::ubitsOf(linear[3 * i + size_t(plane) - 2]);
+            });
+            return;
+        }
         for (const char* pass : {"fill", "shade"}) check_.equal(pass);
     }
 
-    // False, and written down, where the sample differs.
-    bool samePixel(const gpu::FrameBox& band, size_t at, int z, uint32_t draw, const float* linear) {
+    uint32_t triangleOf(uint32_t draw) const { return draw ? twin_.draws[draw - 1].source + list_.firstTriangle : gpu::kNoTriangle; }
+
+    // Keeps a plane as the device left it, and with the twin's samples in it.
+    template <class WantAt>
+    void keepPlane(const gpu::FrameBox& band, const char* pass, uint32_t plane, const WantAt& wantAt) {
+        const std::span<const uint32_t> got = frame_.plane(plane).first(size_t(band.rows) * frame_.rowPixels());
+        std::vector<uint32_t> want(got.begin(), got.end());
+        for (size_t y = 0; y < size_t(band.rows); ++y)
+            for (size_t x = 0; x < size_t(band.width); ++x) want[y * frame_.rowPixels() + x] = wantAt(y * size_t(band.width) + x);
+        check_.keep<uint32_t>(pass, "sample", want, got);
+    }
+
+    // First plane in which the sample differs, written down, or -1.
+    int differingPlane(const gpu::FrameBox& band, size_t at, int z, uint32_t draw, const float* linear) {
         const size_t x = at % size_t(band.width), y = at / size_t(band.width), word = y * frame_.rowPixels() + x;
         const int gotZ = int(frame_.plane(0)[word]);
         const uint32_t gotTriangle = frame_.plane(1)[word];
-        const uint32_t wantTriangle = draw ? twin_.draws[draw - 1].source + list_.firstTriangle : gpu::kNoTriangle;
+        const uint32_t wantTriangle = triangleOf(draw);
         if (gotZ != z || gotTriangle != wantTriangle) {
             pixelDiffers("fill", band, x, y,
                          fmt::format("twin has triangle {} at z {} ({:08x}), device has {} at z {} ({:08x}), {} ULP", int(wantTriangle),
                                      gpu::realOf(z), uint32_t(z), int(gotTriangle), gpu::realOf(gotZ), uint32_t(gotZ),
                                      ulpDistance(gpu::realOf(z), gpu::realOf(gotZ))));
-            return false;
+            return gotZ != z ? 0 : 1;
         }
         for (uint32_t i = 0; i < 3; ++i) {
             const float got = gpu::realOf(int(frame_.plane(2 + i)[word])), wanted = linear[i];
@@ -130,9 +149,9 @@ private:
             pixelDiffers("shade", band, x, y,
                          fmt::format("{} of triangle {}: twin has {} ({:08x}), device has {} ({:08x}), {} ULP", "RGB"[i], int(wantTriangle),
                                      wanted, std::bit_cast<uint32_t>(wanted), got, std::bit_cast<uint32_t>(got), ulpDistance(wanted, got)));
-            return false;
+            return int(2 + i);
         }
-        return true;
+        return -1;
     }
 
     void pixelDiffers(const char* pass, const gpu::FrameBox& band, size_t x, size_t y, const std::string& what) {

@@ -8,6 +8,7 @@
 #include "pipeline/render/planes.h"
 #include "pipeline/render/preparing.h"
 #include "pipeline/render/raster/raster.h"
+#include "pipeline/render/stage_check.h"
 #include "pipeline/render/walk.h"
 #include "pipeline/scene/flattened.h"
 
@@ -244,6 +245,13 @@ Prepared prepareWire(const Scene& scene, const RenderRequest& request, RunsOn si
 class WirePicture : public PreparedPicture {
 public:
     using PreparedPicture::PreparedPicture;
+
+    void verifyStages(Device& device, StageCheck& check) override {
+        RenderResult unused;
+        unused.plan = p_.plan;
+        const std::vector<glm::uvec2> surfaces = surfacesOf(nullptr, scene_, p_, request_, unused);
+        check.compare<uint32_t>("lines", "edge of sample", ownersCpu(p_, surfaces), ownersGpu(device, p_, request_, surfaces, unused));
+    }
 
 private:
     void draw(Device* device, PlaneWriter& writer, RenderResult& result) override {
