@@ -27,6 +27,9 @@ ALLOWED = {
     "command/matrix_command.cpp": "shows the user's chain",
     "render/bounds/vertex_error.cpp": "bounds the rounding of the composite by its parts",
     "render/bounds/vertex_arithmetic.cpp": "compares matrices of objects whose edges may be common",
+    "pixel/notes_chain.h": "starts from the file's numbers: the vertex as stated is its kept numbers and the mesh's origin",
+    "pixel/raster.cpp": "asks for its linear part",
+    "suite/scenes.h": "sets it",
     "truth": "starts from the file's numbers, and shares no function with the passes",
 }
 

@@ -332,7 +332,7 @@ private:
             const std::string n = std::to_string(i);
             const uint32_t v = place.range->firstVertex + vertex[i];
             const glm::vec3 p(list_.positions[v]);
-            const bool fp32 = list_.precision == Precision::fp32;
+            const bool fp32 = place.range->precision == Precision::fp32;
             const glm::vec3 clip =
                 fp32 ? glm::vec3(gpu::rowTimesPoint(o.rowX, p), gpu::rowTimesPoint(o.rowY, p), gpu::rowTimesPoint(o.rowW, p))
                      : glm::vec3(geometry_.clipSpace[v]);
