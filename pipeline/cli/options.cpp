@@ -684,8 +684,7 @@ void checkTogether(const Options& o) {
     if (o.compare && (o.fingerprint || o.allFloats))
         throw usageError("--compare and --fingerprint exclude each other: compare reads two files");
     if (o.suite && !o.inputs.empty()) throw usageError("--suite has its own scenes: leave the operands out");
-    if (o.suite &&
-        (o.size || o.shading || o.fill || o.encoding || o.samples != 1 || !o.traded.empty() || !o.views.empty() || o.turntable != 0))
+    if (o.suite && (o.size || o.shading || o.fill || o.encoding || o.samples || !o.traded.empty() || !o.views.empty() || o.turntable != 0))
         throw usageError("--suite has its own pictures: leave the flags that change one out");
     if (!o.junit.empty() && !o.suite) throw usageError("--junit goes with --suite");
     if (o.suite && !o.output.empty()) throw usageError("--suite writes no pictures: leave --output out");

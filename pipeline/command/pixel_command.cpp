@@ -86,6 +86,7 @@ Exit pixelCommand(const Options& options) {
     scene.camera = views[0].camera;
     scene.lights = views[0].lights;
     RenderRequest request = requestOf(one, scene, size);
+    request.knobs.keepEverything = true;  // a chain shows also what a plan drops, since that changes no byte
     const std::vector<Asked> asked = askedBy(options, scene);
     for (const Asked& which : asked) checkAsked(scene, request, which);
 

@@ -150,14 +150,17 @@ gpu::Colour writeLit(ChainWriter& lines, const LitPoint& point, const std::strin
                        {fmt::format("{}((({}),({}),({})),{},{})", power, qs[0], qs[1], qs[2], name("specIndex[0]"), own("NL") + "[0]")});
         const gpu::Colour d = added(t, intensity, s, {k.dr, k.dg, k.db, 0, 0, 0, k.n, k.zeroPower}, diffuse),
                           h = added(t, intensity, s, {0, 0, 0, k.sr, k.sg, k.sb, k.n, k.zeroPower}, specular);
-        const std::string lit = fmt::format("max0({}[0])", own("NL")), fade = fmt::format("lit({}[0],{}[0])", own("NL"), own("fade"));
-        const std::string faded = point.parts.point ? fade : own("fade") + "[0]";
+        // The pass has both in its own unit of length, in which a faint product may underflow. The factor is a power of two.
+        const std::string passFade = own("fade") + (fading == 1 ? "[0]" : fmt::format("[0]/{}", fading));
+        const std::string passI = own("I") + (fading == 1 ? "[#]" : fmt::format("[#]*{}", fading));
+        const std::string lit = fmt::format("max0({}[0])", own("NL"));
+        const std::string faded = point.parts.point ? fmt::format("lit({}[0],{})", own("NL"), passFade) : passFade;
         if (point.parts.diffuse)
             lines.twin("16.3", own("diffuse"), "diffuse term, I Kd (N.L)", {d.r, d.g, d.b},
-                       each(fmt::format("(({}[#]*{})*{})*{}[#]", name("Kd"), lit, faded, own("I"))));
+                       each(fmt::format("(({}[#]*{})*({}))*({})", name("Kd"), lit, faded, passI)));
         if (point.parts.specular)
             lines.twin("16.4", own("specular"), "specular term, I Ks (R.V)^specIndex", {h.r, h.g, h.b},
-                       each(fmt::format("(({}[#]*{}[0])*{})*{}[#]", name("Ks"), own("power"), faded, own("I"))));
+                       each(fmt::format("(({}[#]*{}[0])*({}))*({})", name("Ks"), own("power"), faded, passI)));
         gpu::addLightFrom(t, intensity, s, k, point.parts, sum);
         std::string both = point.parts.diffuse && point.parts.specular
                                ? fmt::format("({}[#]*{}+{}[#]*{}[0])", name("Kd"), lit, name("Ks"), own("power"))
@@ -167,7 +170,7 @@ gpu::Colour writeLit(ChainWriter& lines, const LitPoint& point, const std::strin
         const bool end = i + 1 == point.lights.size();
         const std::string sumName = end ? name("sum") : own("partial");
         lines.twin("16.5", sumName, end ? "ambient + diffuse + specular of every light" : "sum so far", {sum.r, sum.g, sum.b},
-                   each(fmt::format("{}[#]+({}*{})*{}[#]", last, both, faded, own("I"))));
+                   each(fmt::format("{}[#]+({}*({}))*({})", last, both, faded, passI)));
         last = sumName;
     }
     if (point.lights.empty()) lines.twin("16.5", name("sum"), "ambient; no light shines", {sum.r, sum.g, sum.b}, each(last + "[#]"));

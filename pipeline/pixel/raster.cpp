@@ -711,7 +711,8 @@ private:
             opened.truth.why = "the pixel shows several samples";
         }
         writePixel(chain, pixel, samples, names, opened.truth);
-        lines.close("the notes have no such number", device_ == nullptr ? whyNoDevice_ : "", "", "");
+        const std::string given = "the background is given, not computed";
+        lines.close("the notes have no such number", device_ == nullptr ? whyNoDevice_ : given, given, given);
         lines.compare(request_.trade.native());
         return chain;
     }

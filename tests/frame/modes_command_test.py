@@ -389,7 +389,7 @@ class Refusals(Modes):
 
     def test_so_does_a_mesh_file_whose_only_polygon_has_two_vertices(self):
         self.write("bad.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n")
-        self.assertTrue(self.expect(3, "render", "bad.obj", "-o", "a.png", "--device", "twin").stderr.decode().startswith("plumb: bad.obj:4:1: the file ends and has no face"))
+        self.assertTrue(self.expect(3, "render", "bad.obj", "-o", "a.png", "--device", "twin").stderr.decode().startswith("plumb: bad.obj:3:6: no face has 3 corners or more: the file has no face"))
 
 
 if __name__ == "__main__":

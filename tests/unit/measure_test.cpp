@@ -301,14 +301,17 @@ TEST(Measure, TimesAllInTurnAndComparesEachWithTheTruth) {
     EXPECT_TRUE(m.cut.empty());
     EXPECT_EQ(m.repetitions, 3u);
     EXPECT_EQ(m.truth->samples, 16u);
-    const size_t runs = m.runs.size();
+    // Suzanne has no generated shape, so the runs of the axis tessellation are refused.
+    std::set<std::string> each;
+    for (const MeasuredRun& run : m.runs) {
+        EXPECT_EQ(!run.refused.empty(), run.setting.segments != 0) << run.refused;
+        if (run.refused.empty()) EXPECT_TRUE(each.insert(wordsOf(run.setting)).second);
+    }
+    const size_t runs = each.size();
     EXPECT_GE(runs, 8u);
     // One warm-up each but for the default again, then three rounds, each with every run once.
     ASSERT_EQ(log.size(), 4 * runs - 1);
     std::vector<std::vector<std::string>> rounds;
-    std::set<std::string> each;
-    for (const MeasuredRun& run : m.runs) each.insert(wordsOf(run.setting));
-    EXPECT_EQ(each.size(), runs);
     for (size_t r = 0; r < 3; ++r) {
         rounds.emplace_back(log.begin() + ptrdiff_t((r + 1) * runs - 1), log.begin() + ptrdiff_t((r + 2) * runs - 1));
         EXPECT_EQ(std::set<std::string>(rounds[r].begin(), rounds[r].end()), each);
