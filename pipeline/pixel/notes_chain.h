@@ -78,7 +78,7 @@ private:
             world_[i] = world(stated);
             out_["P" + n] = p.list();
             const auto row = [&](int k) {
-                const size_t at = size_t(4 * k);
+                const size_t at = 4 * size_t(k);
                 return composite[at] * p.x + composite[at + 1] * p.y + composite[at + 2] * p.z + composite[at + 3];
             };
             const R x = row(0), y = row(1), w = row(2);

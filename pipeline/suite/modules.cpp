@@ -11,10 +11,10 @@
 #include "pipeline/suite/suite.h"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <glm/glm.hpp>
 #include <span>
 #include <string>
@@ -40,6 +40,12 @@ gpu::Rows rowsOf(Random& r) {
     return m;
 }
 
+// Compares bits, so that a NaN is equal to itself and 0 differs from -0.
+template <class T>
+bool sameBytes(const T& a, const T& b) {
+    return std::ranges::equal(std::as_bytes(std::span(&a, 1)), std::as_bytes(std::span(&b, 1)));
+}
+
 // Runs `record`, and compares what it leaves with the twin's vertices.
 template <class Record>
 std::string verticesDiffer(Device& device, const char* what, std::span<const glm::vec4> want, const Record& record) {
@@ -50,7 +56,7 @@ std::string verticesDiffer(Device& device, const char* what, std::span<const glm
     recorder.run();
     const std::span<const glm::vec4> got = verticesOf(out, want.size());
     for (size_t i = 0; i < want.size(); ++i)
-        if (std::memcmp(&want[i], &got[i], sizeof want[i]) != 0)
+        if (!sameBytes(want[i], got[i]))
             return fmt::format("{}: vertex {}: twin has ({}, {}, {}, {}), device has ({}, {}, {}, {})", what, i, want[i].x, want[i].y,
                                want[i].z, want[i].w, got[i].x, got[i].y, got[i].z, got[i].w);
     return "";
@@ -100,7 +106,7 @@ std::string chain(Device& device) {
     recordChainLevel(recorder, device.limits(), Level::products, kPerLane, factors.size(), in, out);
     recorder.run();
     for (size_t i = 0; i < want.size(); ++i)
-        if (std::memcmp(&want[i], &out.span()[i], sizeof want[i]) != 0) return fmt::format("product {} differs from the twin's", i);
+        if (!sameBytes(want[i], out.span()[i])) return fmt::format("product {} differs from the twin's", i);
     return "";
 }
 

@@ -27,16 +27,16 @@ bool sharesCorners(const RenderRequest& request) {
 
 void refuseRays(const Scene& scene, const RenderRequest& request) {
     if (request.distantViewer) {
-        constexpr const char* why = "is a simplification of the raster shadings; a ray comes from the eye that it is traced from";
+        constexpr const char* kWhy = "is a simplification of the raster shadings; a ray comes from the eye that it is traced from";
         if (scene.distantViewer == request.distantViewer && !scene.viewerLocation.empty())
-            throw inputError(scene.viewerLocation, fmt::format("viewer = \"distant\" {}; --viewer local overrides", why));
-        throw usageError(fmt::format("--viewer distant {}", why));
+            throw inputError(scene.viewerLocation, fmt::format("viewer = \"distant\" {}; --viewer local overrides", kWhy));
+        throw usageError(fmt::format("--viewer distant {}", kWhy));
     }
     if (request.fill == Fill::notes) {
-        constexpr const char* why = "is a fill of the raster shadings; --shading ray has none";
+        constexpr const char* kWhy = "is a fill of the raster shadings; --shading ray has none";
         if (scene.fill == request.fill && !scene.fillLocation.empty())
-            throw inputError(scene.fillLocation, fmt::format("fill = \"notes\" {}; --fill exact overrides", why));
-        throw usageError(fmt::format("--fill notes {}", why));
+            throw inputError(scene.fillLocation, fmt::format("fill = \"notes\" {}; --fill exact overrides", kWhy));
+        throw usageError(fmt::format("--fill notes {}", kWhy));
     }
     if (request.trade != Trade{}) throw usageError("--trade is about the raster shadings; --shading ray has none of these choices");
     refuseNoZBuffer(scene);
