@@ -7,11 +7,10 @@
 #include "pipeline/command/measure_report.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
-#include "pipeline/command/views.h"
+#include "pipeline/command/viewed_scene.h"
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/measure/measure.h"
-#include "pipeline/render/bounds/vertex_error.h"
 #include "pipeline/render/technique.h"
 #include "pipeline/scene/text.h"
 
@@ -61,23 +60,15 @@ Exit measureCommand(const Options& options) {
     plan.repetitions = options.repetitions;
     plan.seed = options.seed.value_or(0);
     plan.keepPictures = !options.output.empty();
-    if (options.views.size() > 1) throw usageError("measure looks from one viewpoint: give --view once at most");
     for (const std::string& file : {options.output, options.jsonFile, options.csvFile})
         if (!file.empty()) checkWritable(file, options.noClobber);
     if (options.json && options.csv && options.jsonFile == options.csvFile)
         throw usageError("--json and --csv both want standard output: name a file for one of them");
 
     Progress progress(options.progress, options.quiet);
-    const LoadOptions loading = loadOptionsOf(options, &progress);
-    Scene scene = loadScene({options.inputs.begin(), options.inputs.end()}, loading);
-    const std::vector<SourceFile> sources = sourcesOf(options.inputs, loading);
-    const bool bareMesh = isBareMesh(options.inputs[0], loading);
-    loading.once->clear();
-    progress.clear();
-    const glm::uvec2 size = sizeOf(scene, options);
-    const std::vector<Viewpoint> views = viewsOf(scene, size, options, bareMesh);
-    scene.camera = views[0].camera;
-    scene.lights = views[0].lights;
+    ViewedScene viewed = loadOneView(options, progress, "measure");
+    Scene& scene = viewed.scene;
+    const glm::uvec2 size = viewed.size;
 
     Renderer renderer(deviceRequestOf(options));
     if (!renderer.choice().advice.empty()) say(options, fmt::format("plumb: {}\n{}", renderer.choice().reason, renderer.choice().advice));
@@ -88,10 +79,7 @@ Exit measureCommand(const Options& options) {
     if (!techniqueOf(scene, plan.base.request).showsSurfaces())
         throw usageError("--shading: wire has no truth to be measured against; it is a row of the axis 'shading'");
     refuse(scene, plan.base.request);
-    for (const VertexError& error : vertexErrors(scene, plan.base.request)) {
-        scene.warnings.push_back(sentenceOf(scene, error));
-        say(options, fmt::format("plumb: warning: {}", scene.warnings.back()));
-    }
+    warnOfMovedVertices(options, scene, plan.base.request);
     plan.base.request.onProgress = [](double) { return interruptedBy() == 0; };
     plan.base.twin = !plan.deviceThere;
     plan.draw = [&renderer, &options, first = true](const Scene& drawn, const Setting& setting) mutable {
@@ -124,7 +112,7 @@ Exit measureCommand(const Options& options) {
     const bool dataElsewhere = (options.json && options.jsonFile.empty()) || (options.csv && options.csvFile.empty());
     FileBatch files;
     if (options.csv && !options.csvFile.empty()) files.add(options.csvFile, std::as_bytes(std::span(csv)), options.noClobber);
-    const Json json = measurementJson(m, contextJson(renderer, scene, sources, plan, m, load, loadAfter), notes);
+    const Json json = measurementJson(m, contextJson(renderer, scene, viewed.sources, plan, m, load, loadAfter), notes);
     if (!options.output.empty()) {
         const std::string html = htmlOf(m, json);
         files.add(options.output, std::as_bytes(std::span(html)), options.noClobber);

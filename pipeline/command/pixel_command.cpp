@@ -6,7 +6,7 @@
 #include "pipeline/command/pixel_report.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
-#include "pipeline/command/views.h"
+#include "pipeline/command/viewed_scene.h"
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/pixel/open.h"
@@ -75,16 +75,9 @@ Exit pixelCommand(const Options& options) {
     Progress progress(options.progress, options.quiet);
     Options one = options;
     one.inputs = {options.inputs[0]};
-    const LoadOptions loading = loadOptionsOf(one, &progress);
-    Scene scene = loadScene({one.inputs[0]}, loading);
-    const std::vector<SourceFile> sources = sourcesOf(one.inputs, loading);
-    const bool bareMesh = isBareMesh(one.inputs[0], loading);
-    loading.once->clear();
-    progress.clear();
-    const glm::uvec2 size = sizeOf(scene, one);
-    const std::vector<Viewpoint> views = viewsOf(scene, size, one, bareMesh);
-    scene.camera = views[0].camera;
-    scene.lights = views[0].lights;
+    const ViewedScene viewed = loadOneView(one, progress, "pixel");
+    const Scene& scene = viewed.scene;
+    const glm::uvec2 size = viewed.size;
     RenderRequest request = requestOf(one, scene, size);
     request.knobs.keepEverything = true;  // a chain shows also what a plan drops, since that changes no byte
     const std::vector<Asked> asked = askedBy(options, scene);
@@ -117,8 +110,8 @@ Exit pixelCommand(const Options& options) {
         report["tool"] = toolJson();
         report["host"] = hostJson();
         report["device"] = deviceJson(renderer);
-        report["scene"] = sceneJson(scene, sources);
-        report["view"] = views[0].name;
+        report["scene"] = sceneJson(scene, viewed.sources);
+        report["view"] = viewed.views[0].name;
         report["size"] = {size.x, size.y};
         report["options"] = {{"shading", nameOf(request.shading)},
                              {"fill", nameOf(request.fill)},

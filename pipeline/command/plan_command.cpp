@@ -7,36 +7,21 @@
 #include "pipeline/command/picture_report.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
-#include "pipeline/command/views.h"
-#include "pipeline/render/bounds/vertex_error.h"
+#include "pipeline/command/viewed_scene.h"
 #include "pipeline/render/technique.h"
 
 #include <fmt/core.h>
-#include <glm/glm.hpp>
 #include <string>
-#include <vector>
 
 namespace plumb {
 
 Exit planCommand(const Options& options) {
-    if (options.views.size() > 1) throw usageError("plan looks from one viewpoint: give --view once at most");
     Progress progress(options.progress, options.quiet);
-    const LoadOptions loading = loadOptionsOf(options, &progress);
-    Scene scene = loadScene({options.inputs.begin(), options.inputs.end()}, loading);
-    const std::vector<SourceFile> sources = sourcesOf(options.inputs, loading);
-    const bool bareMesh = isBareMesh(options.inputs[0], loading);
-    loading.once->clear();
-    progress.clear();
-    const glm::uvec2 size = sizeOf(scene, options);
-    const std::vector<Viewpoint> views = viewsOf(scene, size, options, bareMesh);
-    scene.camera = views[0].camera;
-    scene.lights = views[0].lights;
-    const RenderRequest base = requestOf(options, scene, size);
+    ViewedScene viewed = loadOneView(options, progress, "plan");
+    Scene& scene = viewed.scene;
+    const RenderRequest base = requestOf(options, scene, viewed.size);
     refuse(scene, base);
-    for (const VertexError& error : vertexErrors(scene, base)) {
-        scene.warnings.push_back(sentenceOf(scene, error));
-        say(options, fmt::format("plumb: warning: {}", scene.warnings.back()));
-    }
+    warnOfMovedVertices(options, scene, base);
     PlannerRequest request = plannerRequestOf(options, base);
     progress.begin("plan", 0, 1, Progress::kMoment);
     request.onProgress = [&progress](double share) {
@@ -63,8 +48,8 @@ Exit planCommand(const Options& options) {
     text += explained(steps);
     if (!options.json || !options.jsonFile.empty()) printData(text);
     writeJson(options, {{{"tool", toolJson()},
-                         {"scene", sceneJson(scene, sources)},
-                         {"camera", cameraJson(views[0].camera)},
+                         {"scene", sceneJson(scene, viewed.sources)},
+                         {"camera", cameraJson(*scene.camera)},
                          {"plan", planJson(steps)},
                          {"forecast", forecast},
                          {"budget", budgetJson(request, planned, nullptr, -1)}}});

@@ -12,6 +12,7 @@
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
 #include "pipeline/command/stereo.h"
+#include "pipeline/command/viewed_scene.h"
 #include "pipeline/command/views.h"
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
@@ -78,11 +79,7 @@ void refuseFaults(const FrameFacts& facts) {
                                   facts.firstFault));
 }
 
-struct Loaded {
-    Scene scene;
-    std::vector<SourceFile> sources;
-    glm::uvec2 size{0};
-    std::vector<Viewpoint> views;
+struct Loaded : ViewedScene {
     double ms = 0;
     std::optional<Detail> detail = {};  // of --detail
 
@@ -112,15 +109,7 @@ void refuseOutput(const Options& options) {
 }
 
 Loaded load(const Options& options, Progress& progress, Clock::time_point start) {
-    Loaded loaded;
-    const LoadOptions how = loadOptionsOf(options, &progress);
-    loaded.scene = loadScene({options.inputs.begin(), options.inputs.end()}, how);
-    loaded.sources = sourcesOf(options.inputs, how);
-    const bool bareMesh = isBareMesh(options.inputs[0], how);
-    how.once->clear();
-    progress.clear();
-    loaded.size = sizeOf(loaded.scene, options);
-    loaded.views = viewsOf(loaded.scene, loaded.size, options, bareMesh);
+    Loaded loaded{loadViews(options, progress)};
     loaded.ms = millisecondsSince(start);
     for (const std::string& ignored : loaded.scene.ignored) say(options, fmt::format("plumb: not drawn: {}", ignored));
     for (const std::string& warning : loaded.scene.warnings) say(options, fmt::format("plumb: warning: {}", warning));

@@ -61,9 +61,11 @@ void takeFronts(Measurement& m, const std::vector<std::string>& works) {
         row.onAxisFront = row.run && holds(axisFront[row.axis], *row.run);
     }
     std::stable_sort(front.begin(), front.end(), [&](size_t a, size_t b) { return *m.runs[a].total.median() < *m.runs[b].total.median(); });
-    for (const size_t run : front)
-        m.front.push_back(
-            size_t(std::find_if(m.rows.begin(), m.rows.end(), [&](const Row& row) { return row.run == run; }) - m.rows.begin()));
+    for (const size_t run : front) {
+        const auto row = std::find_if(m.rows.begin(), m.rows.end(), [&](const Row& candidate) { return candidate.run == run; });
+        // The default has no row where no axis states it; the control, which is the same work, is on the front beside it.
+        if (row != m.rows.end()) m.front.push_back(size_t(row - m.rows.begin()));
+    }
 }
 
 }  // namespace plumb

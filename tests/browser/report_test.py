@@ -8,61 +8,29 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 import unittest
 
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
-from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.support.ui import Select, WebDriverWait
+from selenium.webdriver.support.ui import Select
+
+from page import PageTest
 
 FIXTURE, FOLDER = (os.path.abspath(path) for path in sys.argv[1:3])
 MOST_BYTES = 2_000_000
 
 
-class Report(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.page = os.path.join(FOLDER, "report.html")
-        subprocess.run([FIXTURE, cls.page], check=True, capture_output=True)
-        cls.profile = tempfile.TemporaryDirectory()
-        options = webdriver.ChromeOptions()
-        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--force-device-scale-factor=1", f"--user-data-dir={cls.profile.name}"):
-            options.add_argument(argument)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-        cls.browser = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+class Report(PageTest):
+    WIDTH = 1200
+    FOLDER = FOLDER
 
     @classmethod
-    def tearDownClass(cls):
-        cls.browser.quit()
-        cls.profile.cleanup()
-
-    def setUp(self):
-        self.open(1200, dark=False)
-
-    def open(self, width, dark):
-        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False})
-        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
-        self.browser.get_log("browser")
-        self.browser.get_log("performance")
-        self.browser.get("file://" + self.page)
-        WebDriverWait(self.browser, 30).until(lambda b: b.execute_script("return document.body.dataset.ready") == "yes")
-
-    def find(self, css):
-        return self.browser.find_element(By.CSS_SELECTOR, css)
-
-    def all(self, css):
-        return self.browser.find_elements(By.CSS_SELECTOR, css)
-
-    def shot(self, name):
-        height = self.browser.execute_script("return document.documentElement.scrollHeight")
-        width = self.browser.execute_script("return innerWidth")
-        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
-        self.browser.save_screenshot(os.path.join(FOLDER, name + ".png"))
+    def make(cls):
+        page = os.path.join(FOLDER, "report.html")
+        subprocess.run([FIXTURE, page], check=True, capture_output=True)
+        return page
 
     def pixel(self, canvas, x, y):
-        return self.browser.execute_script("return [...document.getElementById(arguments[0]).getContext('2d').getImageData(arguments[1], arguments[2], 1, 1).data].slice(0, 3)", canvas, x, y)
+        return self.script("return [...document.getElementById(arguments[0]).getContext('2d').getImageData(arguments[1], arguments[2], 1, 1).data].slice(0, 3)", canvas, x, y)
 
     def press(self, *keys):
         for key in keys:
@@ -70,13 +38,7 @@ class Report(unittest.TestCase):
 
     def test_it_is_one_small_file_that_asks_for_nothing(self):
         self.assertLess(os.path.getsize(self.page), MOST_BYTES)
-        self.assertEqual([entry for entry in self.browser.get_log("browser")], [], "nothing on the console")
-        asked = [json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")]
-        # The browser's own first tab (chrome://) may still be loading when this one opens.
-        addresses = [a["params"]["request"]["url"] for a in asked if a["method"] == "Network.requestWillBeSent"
-                     and not a["params"]["documentURL"].startswith("chrome:")]
-        self.assertIn("file://" + self.page, addresses, "the log of requests is on")
-        self.assertEqual([u for u in addresses if not u.startswith(("file://" + self.page, "data:"))], [])
+        self.asks_for_nothing()
         with open(self.page, encoding="utf-8") as f:
             text = f.read()
         for word in ("src=", "href="):
@@ -87,7 +49,7 @@ class Report(unittest.TestCase):
         self.assertEqual(len(self.all("script")), 3)
         self.assertIn("</script><script>alert(1)</script>", self.find("#context").text)
         self.assertIn("disc<!--.toml", self.find("h1").text)
-        measured = self.browser.execute_script("return document.getElementById('raw').textContent")
+        measured = self.script("return document.getElementById('raw').textContent")
         self.assertEqual(json.loads(measured)["schema"], "plumb-measure-1")
 
     def test_points_are_runs_and_the_front_is_marked(self):
@@ -110,12 +72,12 @@ class Report(unittest.TestCase):
         self.assertEqual([e.get_attribute("data-key") for e in self.all(".point.onfront")], ["shading/flat", "shading/gouraud", "shading/phong", "specular/slow", "samples/16"])
         Select(self.find("#metric")).select_by_value("max")
         # A slower point lies further right, a worse one higher.
-        at = {e.get_attribute("data-key"): self.browser.execute_script("const c = arguments[0].querySelector('.dot'); return [+c.getAttribute('cx'), +c.getAttribute('cy')]", e) for e in self.all(".point")}
+        at = {e.get_attribute("data-key"): self.script("const c = arguments[0].querySelector('.dot'); return [+c.getAttribute('cx'), +c.getAttribute('cy')]", e) for e in self.all(".point")}
         self.assertLess(at["shading/flat"][0], at["shading/gouraud"][0])
         self.assertLess(at["shading/flat"][1], at["shading/gouraud"][1])
 
     def thumbnails_cover_nothing(self, least):
-        covered = self.browser.execute_script("""
+        covered = self.script("""
             const box = e => e.getBoundingClientRect(), meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
             const images = [...document.querySelectorAll('#scatter image')], others = [...document.querySelectorAll('#scatter .dot, #scatter .name')];
             return [images.length, images.flatMap((p, i) => [...others, ...images.slice(i + 1)].filter(o => meet(box(p), box(o))).map(o => o.textContent || o.tagName))];""")
@@ -151,7 +113,7 @@ class Report(unittest.TestCase):
             self.assertEqual(self.pixel("over", x, y), [int(255 * min(1, light * c) + 0.5) for c in (1, 0.75, 0.5)])
 
     def test_slider_and_flip(self):
-        clip = lambda: self.browser.execute_script("return document.getElementById('over').style.clipPath")
+        clip = lambda: self.script("return document.getElementById('over').style.clipPath")
         self.assertIn("50%", clip())
         slider = self.find("#slider")
         slider.send_keys(Keys.HOME)
@@ -177,7 +139,7 @@ class Report(unittest.TestCase):
         Select(self.find("#right")).select_by_value("shading/flat")
         self.find("#slider").send_keys(Keys.HOME)
         plain = self.pixel("under", 180, 120)
-        truth = self.browser.execute_script("return [...pictures.get('truth').data.slice(4 * (120 * 320 + 180), 4 * (120 * 320 + 180) + 3)]")
+        truth = self.script("return [...pictures.get('truth').data.slice(4 * (120 * 320 + 180), 4 * (120 * 320 + 180) + 3)]")
         Select(self.find("#show")).select_by_value("error")
         self.find("#gain").send_keys(Keys.HOME)
         apart = [abs(p - t) for p, t in zip(plain, truth)]
@@ -190,7 +152,7 @@ class Report(unittest.TestCase):
         # curve, half a step of rounding and one of the code. The page shows the larger of both.
         curve = lambda v: 255 * (12.92 * max(v, 0) if v <= 0.0031308 else 1.055 * min(1, v) ** (1 / 2.4) - 0.055)
         light = lambda c: max(0, c) / 255 / 12.92 if c / 255 <= 0.04045 else ((c / 255 + 0.055) / 1.055) ** 2.4
-        default = self.browser.execute_script("return [...pictures.get('shading/phong').data.slice(4 * (320 + 1), 4 * (320 + 1) + 3)]")
+        default = self.script("return [...pictures.get('shading/phong').data.slice(4 * (320 + 1), 4 * (320 + 1) + 3)]")
         up = lambda c: min(255, curve(light(c + 0.5) + 0.01) + 1.5) - c
         down = lambda c: c - max(0, curve(light(c - 0.5) - 0.02) - 1.5)
         self.assertEqual(self.pixel("under", 1, 1), [min(255, round(2 * max(up(c), down(c)))) for c in default])
@@ -200,7 +162,7 @@ class Report(unittest.TestCase):
         self.assertIn("change / bound", self.find("#values").text)
         # The middle of the disc, where the fixture's Gouraud is not the default: the share is that of the way in which it moved.
         x, y = (int(v) for v in self.find("#values").text.split("(")[1].split(")")[0].split(","))
-        codes = lambda name: self.browser.execute_script("return [...pictures.get(arguments[0]).data.slice(arguments[1], arguments[1] + 3)]", name, 4 * (320 * y + x))
+        codes = lambda name: self.script("return [...pictures.get(arguments[0]).data.slice(arguments[1], arguments[1] + 3)]", name, 4 * (320 * y + x))
         moves = [(g - d, d) for g, d in zip(codes("shading/gouraud"), codes("shading/phong"))]
         self.assertTrue(any(m != 0 for m, _ in moves), "something to judge")
         shares = [m / up(d) if m > 0 else -m / down(d) for m, d in moves]
@@ -244,26 +206,25 @@ class Report(unittest.TestCase):
                 self.assertIn("load 7.00 exceeds 2 cores", self.find("#notes").text)
                 self.assertEqual(self.find("#thumbs").is_displayed(), width > 400, "no box to tick where nothing is shown")
                 self.thumbnails_cover_nothing(least=3 if width > 400 else 0)
-                table = self.browser.execute_script("const t = document.querySelector('#table').parentNode; return [t.scrollWidth, t.clientWidth]")
+                table = self.script("const t = document.querySelector('#table').parentNode; return [t.scrollWidth, t.clientWidth]")
                 if width > 400:
                     self.assertLessEqual(table[0], table[1], "no column is cut")
-                self.browser.execute_script("document.querySelector('#table td button').click()")
-                cells = self.browser.execute_script("return [...document.querySelectorAll('#table tr.chosen td')].map(e => getComputedStyle(e).backgroundColor)")
+                self.script("document.querySelector('#table td button').click()")
+                cells = self.script("return [...document.querySelectorAll('#table tr.chosen td')].map(e => getComputedStyle(e).backgroundColor)")
                 self.assertEqual(len(set(cells)), 1, "a chosen row has one colour")
                 self.assertNotIn("rgba(0, 0, 0, 0)", cells)
-                wide = self.browser.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
-                self.assertLessEqual(wide[0], wide[1], "no sideways scrolling of the page")
-                clipped = self.browser.execute_script("return [...document.querySelectorAll('h1, h2, p, select, button, dd')].filter(e => !e.closest('.scroll') && e.getBoundingClientRect().right > innerWidth + 1).map(e => e.textContent)")
+                self.fits_sideways()
+                clipped = self.script("return [...document.querySelectorAll('h1, h2, p, select, button, dd')].filter(e => !e.closest('.scroll') && e.getBoundingClientRect().right > innerWidth + 1).map(e => e.textContent)")
                 self.assertEqual(clipped, [])
-                small = self.browser.execute_script("return Math.min(...[...document.querySelectorAll('#scatter text')].map(e => e.getBoundingClientRect().height))")
+                small = self.script("return Math.min(...[...document.querySelectorAll('#scatter text')].map(e => e.getBoundingClientRect().height))")
                 self.assertGreater(small, 9, "the labels of the chart can be read")
                 # WCAG contrast of text on the card, worked out from what is drawn.
-                ratio = self.browser.execute_script("""
+                ratio = self.script("""
                     const light = c => { const v = c.match(/[\\d.]+/g).slice(0, 3).map(x => x / 255).map(x => x <= .03928 ? x / 12.92 : ((x + .055) / 1.055) ** 2.4); return .2126 * v[0] + .7152 * v[1] + .0722 * v[2]; };
                     const card = light(getComputedStyle(document.querySelector('section')).backgroundColor);
                     return [...document.querySelectorAll('section p, section td, section dt, .tag')].map(e => { const t = light(getComputedStyle(e).color); return (Math.max(t, card) + .05) / (Math.min(t, card) + .05); }).reduce((a, b) => Math.min(a, b));""")
                 self.assertGreater(ratio, 4.5)
-                ground = self.browser.execute_script("return getComputedStyle(document.body).backgroundColor")
+                ground = self.script("return getComputedStyle(document.body).backgroundColor")
                 self.assertEqual(int(ground.split("(")[1].split(",")[0]) < 100, dark)
                 self.assertEqual([e for e in self.browser.get_log("browser")], [])
                 self.shot(f"report-{width}-{'dark' if dark else 'light'}")

@@ -4,6 +4,7 @@
 #include "host/error.h"
 #include "pipeline/measure/front.h"
 #include "pipeline/measure/rounds.h"
+#include "pipeline/measure/row_fronts.h"
 #include "pipeline/measure/telling.h"
 #include "tests/support/ray_scenes.h"
 
@@ -102,6 +103,26 @@ TEST(Front, IsNotDecidedByEdges) {
                                             pointOf(0.7, 0.9, 0.73, 8.860, 0, 4)};
     EXPECT_EQ(frontOf(points), (std::vector<bool>{true, false, true, false, true}))
         << "four samples are nearer; what is told to be faster may be further off";
+}
+
+// No axis need state the default as a row: then the control stands for it.
+TEST(Front, OfRowsNamesTheControlForADefaultWithoutARow) {
+    Measurement m;
+    m.runs.resize(3);
+    for (size_t i = 0; i < m.runs.size(); ++i) {
+        const double share = i == 2 ? 2 : 1;  // the third takes twice the time
+        m.runs[i].total.ms.assign(31, 10 * share);
+        m.runs[i].ratio = RatioInterval{share, share, share};
+        m.runs[i].alike = m.runs[i].error = FrameError{};
+    }
+    m.runs[1].setting.again = true;
+    m.rows.resize(2);
+    m.rows[0].run = 1;
+    m.rows[1].run = 2;
+    takeFronts(m, {"default", "default", "threads"});
+    EXPECT_EQ(m.front, std::vector<size_t>{0});
+    EXPECT_TRUE(m.rows[0].onFront);
+    EXPECT_FALSE(m.rows[1].onFront);
 }
 
 // P(Binomial(count, 1/2) < k) by counting, for few tosses.

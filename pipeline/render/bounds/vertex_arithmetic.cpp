@@ -7,8 +7,11 @@
 #include "pipeline/scene/plain_floats.h"
 
 #include <fmt/core.h>
-#include <cstddef>
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <glm/gtc/type_ptr.hpp>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,16 +41,26 @@ VertexArithmetic cheapestOf(const Scene& scene, const RenderRequest& request, ui
 
 // Objects under one matrix may share edges, as the parts of one glTF mesh do. They take one format, so that no crack opens.
 void raiseTogether(const Scene& scene, const RenderRequest& request, std::vector<VertexArithmetic>& all) {
-    for (size_t i = 0; i < all.size(); ++i) {
+    const auto matrixOf = [&scene](uint32_t object) {
+        std::array<double, 16> matrix;
+        std::copy_n(glm::value_ptr(scene.objects[object].worldFromObject), matrix.size(), matrix.begin());
+        return matrix;
+    };
+    std::map<std::array<double, 16>, uint32_t> highest;  // of each matrix, the first object in the most precise format
+    for (uint32_t i = 0; i < all.size(); ++i) {
         if (!all[i].raised) continue;
-        for (uint32_t k = 0; k < all.size(); ++k) {
-            VertexArithmetic& other = all[k];
-            if (other.precision >= all[i].precision || scene.objects[k].worldFromObject != scene.objects[i].worldFromObject) continue;
-            other.precision = all[i].precision;
-            other.pixels = vertexPixels(scene, request, k, other.precision, kRaisePixels);
-            if (!other.raised) other.with = uint32_t(i);
-            other.raised = true;
-        }
+        const auto [at, fresh] = highest.try_emplace(matrixOf(i), i);
+        if (!fresh && all[at->second].precision < all[i].precision) at->second = i;
+    }
+    if (highest.empty()) return;
+    for (uint32_t i = 0; i < all.size(); ++i) {
+        VertexArithmetic& other = all[i];
+        const auto at = highest.find(matrixOf(i));
+        if (at == highest.end() || other.precision >= all[at->second].precision) continue;
+        other.precision = all[at->second].precision;
+        other.pixels = vertexPixels(scene, request, i, other.precision, kRaisePixels);
+        if (!other.raised) other.with = at->second;
+        other.raised = true;
     }
 }
 
