@@ -91,7 +91,7 @@ std::string textOf(const std::string& title, const VerifyReport& report, const s
     return text;
 }
 
-Json jsonOf(const VerifyReport& report, const std::vector<std::string>& written) {
+Json jsonOf(const VerifyReport& report, const std::vector<std::string>& written, const std::string& capsule) {
     Json json;
     json["equal"] = report.equal;
     json["bound"] =
@@ -112,6 +112,7 @@ Json jsonOf(const VerifyReport& report, const std::vector<std::string>& written)
     json["mismatches"] = Json::array();
     for (const Mismatch& m : report.mismatches) json["mismatches"].push_back({{"pass", m.pass}, {"chain", m.chain}, {"what", m.what}});
     json["written"] = written;
+    json["capsule"] = capsule.empty() ? Json() : Json(capsule);
     return json;
 }
 
@@ -207,11 +208,11 @@ private:
             say(options_, nothingSeen(report.twin.counters));
         std::vector<std::string> written;
         if (!report.equal) written = writeEvidence(options_, files_, report, number, input.count, input.request.transparent);
-        if (!report.equal) keepCapsule(input, number, report.mismatches[0].pass);
+        const std::string capsule = report.equal ? "" : keepCapsule(input, number, report.mismatches[0].pass);
         const std::string title = fmt::format("{}{}{} {}x{} {}", printable(input.path), view.name.empty() ? "" : " ", view.name,
                                               input.size.x, input.size.y, nameOf(input.request.shading));
         tellText(textOf(title, report, written));
-        if (options_.json) reports_.push_back(reportOf(input, view, report, written));
+        if (options_.json) reports_.push_back(reportOf(input, view, report, written, capsule));
     }
 
     // A device that fails is a difference too, which a capsule can hold.
@@ -225,14 +226,16 @@ private:
         }
     }
 
-    void keepCapsule(const Input& input, size_t number, const std::string& pass) {
-        if (options_.capsule.empty()) return;
+    // Folder of the capsule that it made; empty where none is asked for, or none was made.
+    std::string keepCapsule(const Input& input, size_t number, const std::string& pass) {
+        if (options_.capsule.empty()) return "";
         fs::path folder = options_.capsule;
         if (input.count > 1) folder /= std::to_string(number);
         progress_.begin("reduce", 0, 1);
         const std::string line = writeCapsule(options_, *renderer_.device(), input.scene, input.request, pass, folder, progress_);
         progress_.clear();
         say(options_, line);
+        return fs::exists(folder / "capsule.json") ? folder.string() : "";
     }
 
     // Prints the text when the files that it names are there.
@@ -256,7 +259,8 @@ private:
         texts_.clear();
     }
 
-    Json reportOf(const Input& input, const Viewpoint& view, const VerifyReport& report, const std::vector<std::string>& written) const {
+    Json reportOf(const Input& input, const Viewpoint& view, const VerifyReport& report, const std::vector<std::string>& written,
+                  const std::string& capsule) const {
         const RenderRequest& request = input.request;
         Json json;
         json["tool"] = toolJson();
@@ -269,7 +273,7 @@ private:
                            {"fill", nameOf(request.fill)},
                            {"samples", request.samples},
                            {"encoding", nameOf(request.encoding)}};
-        json["verify"] = jsonOf(report, written);
+        json["verify"] = jsonOf(report, written, capsule);
         json["plan"] = planJson(report.device.plan);
         json["time_ms"] = {{"twin", report.twin.totalMs},
                            {"device", report.device.totalMs},

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`plumb verify --suite` runs every module that the program holds, and `plumb replay` runs the capsules of planted faults again.
+"""`plumb verify --suite` runs every module that the program holds. On a faulty driver `plumb verify --capsule` keeps what differs, and `plumb replay`
+runs it again.
 
-usage: suite_command_test.py PLUMB CAPSULE_FIXTURE [unittest arguments]
+usage: suite_command_test.py PLUMB PLUMB_PLANTED [unittest arguments]
 """
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -13,7 +15,8 @@ import tempfile
 import unittest
 import xml.etree.ElementTree
 
-PLUMB, FIXTURE = (os.path.abspath(path) for path in sys.argv[1:3])
+PLUMB, PLANTED = (os.path.abspath(path) for path in sys.argv[1:3])
+SUZANNE = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../scenes/suzanne.toml"))
 MOST_BYTES, MOST_TRIANGLES = 1 << 20, 8
 
 
@@ -61,8 +64,18 @@ class Capsules(InFolder):
     @classmethod
     def setUpClass(cls):
         cls.made = tempfile.TemporaryDirectory()
-        made = subprocess.run([FIXTURE, cls.made.name], check=True, capture_output=True, text=True)
-        cls.said = [json.loads(line) for line in made.stdout.splitlines()]
+        cls.said = {name: cls.verified(name, *words) for name, *words in
+                    (("differs", "products", 1, "--shading", "flat"), ("fails", "uncounted", 5, "--shading", "wire"))}
+
+    @classmethod
+    def verified(cls, name, fault, code, *words):
+        """What verify says of a capsule, made on a driver with a fault."""
+        done = subprocess.run([PLANTED, "verify", SUZANNE, "--size", "96x72", "--capsule", name, "--reduce", "20s", f"--json={name}.json", *words],
+                              cwd=cls.made.name, capture_output=True, text=True, env=dict(os.environ, PLUMB_DRIVER=fault))
+        assert done.returncode == code, f"{name}: {done.returncode}: {done.stdout}{done.stderr}"
+        said = re.search(rf"capsule {name}: (\S.*) in (\w+), (\d+) of (\d+) triangles, (\d+) files, (\d+) bytes", done.stderr)
+        assert said, done.stderr
+        return {"pass": said[1], "module": said[2], "triangles": int(said[3]), "before": int(said[4]), "files": int(said[5]), "bytes": int(said[6])}
 
     @classmethod
     def tearDownClass(cls):
@@ -81,11 +94,25 @@ class Capsules(InFolder):
             f.write(changed(text))
 
     def test_they_are_small(self):
-        for said in self.said:
+        for name, said in self.said.items():
             self.assertGreater(said["before"], MOST_TRIANGLES)
             self.assertLessEqual(said["triangles"], MOST_TRIANGLES)
             self.assertLessEqual(said["bytes"], MOST_BYTES)
-        self.assertTrue(self.said[0]["located"])
+            files = os.listdir(os.path.join(self.folder, name))
+            self.assertEqual(len(files), said["files"])
+            self.assertEqual(sum(os.path.getsize(os.path.join(self.folder, name, file)) for file in files), said["bytes"])
+        self.assertEqual(self.said["fails"]["module"], "lines")
+
+    def test_the_report_of_what_differs_names_the_capsule(self):
+        with open(os.path.join(self.made.name, "differs.json"), encoding="utf-8") as f:
+            verify = json.load(f)["verify"]
+        self.assertFalse(verify["equal"])
+        self.assertEqual((verify["capsule"], verify["mismatches"][0]["pass"]), ("differs", self.said["differs"]["pass"]))
+        # Without the fault nothing differs, and no capsule is made.
+        self.expect(0, "verify", SUZANNE, "--size", "96x72", "--shading", "flat", "--capsule", "none", "--json=equal.json")
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "none")))
+        with open(os.path.join(self.folder, "equal.json"), encoding="utf-8") as f:
+            self.assertIsNone(json.load(f)["verify"]["capsule"])
 
     def test_they_give_the_same_each_time(self):
         for name, says in (("differs", "as captured"), ("fails", "did not finish")):
