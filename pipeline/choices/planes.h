@@ -18,7 +18,14 @@ enum Plane : uint32_t {
     kPlanePrimitive = 64u,  // primitive_id (face in file order), 0xFFFFFFFF where nothing is drawn
     kPlaneZ = 128u,         // the Z-buffer itself, n/w, larger is nearer, 0 where nothing is drawn (verify)
     kPlaneTriangle = 256u,  // triangle index over the whole scene, 0xFFFFFFFF where nothing is drawn (verify)
+    // Certificate of a pixel (pipeline/truth/certificate.h): no byte of it is further from the picture in exact arithmetic. In steps of the sRGB code,
+    // 1/255 of full scale; +infinity where what is seen is open.
+    kPlaneError = 512u,
+    kPlaneCertified = 1024u,  // what that proves: 0 open, 1 decided, 2 within a step, 3 within half a step
 };
+
+// Planes that come of comparing a finished picture with its truth. No pass writes them, and a request to draw does not ask for them.
+inline constexpr uint32_t kPlanesJudged = kPlaneError | kPlaneCertified;
 
 // Planes that --aov can ask for.
 inline constexpr Choice<Plane> kAovs[] = {
@@ -29,6 +36,8 @@ inline constexpr Choice<Plane> kAovs[] = {
     {.word = "normal", .value = kPlaneNormal, .help = "unit normal in world space"},
     {.word = "object_id", .value = kPlaneObject, .help = "which object is seen", .alias = "id"},
     {.word = "primitive_id", .value = kPlanePrimitive, .help = "which face is seen, in file order"},
+    {.word = "error", .value = kPlaneError, .help = "how far a pixel is from exact arithmetic at most, in steps of 1/255"},
+    {.word = "certified", .value = kPlaneCertified, .help = "what that proves: 0 open, 1 decided, 2 within a step, 3 within half a step"},
 };
 
 inline const char* nameOf(Plane plane) { return wordOf(kAovs, plane); }

@@ -154,6 +154,7 @@ void addAovs(Options& o, const std::string& text) {
     for (const auto part : split(text, ',')) {
         const Plane aov = valueOf(kAovs, part);
         if (std::find(o.aovs.begin(), o.aovs.end(), aov) == o.aovs.end()) o.aovs.push_back(aov);
+        if (aov & kPlanesJudged) o.withError = true;
     }
 }
 

@@ -58,4 +58,20 @@ std::string errorLine(const FrameError& e, const Truth& truth, const std::option
         truth.redone, truth.traced ? "samples followed again in more bits" : "decisions redone exactly");
 }
 
+Json certificateJson(const Certificate& c) {
+    return {{"pixels", c.pixels},
+            {"halfStep", c.halfStep},
+            {"halfStepShare", c.shareOf(c.halfStep)},
+            {"oneStep", c.oneStep},
+            {"oneStepShare", c.shareOf(c.oneStep)},
+            {"open", c.open},
+            {"max", c.max / kSteps},
+            {"maxAt", {c.x, c.y}}};
+}
+
+std::string certificateLine(const Certificate& c) {
+    return fmt::format("certified to half a step: {:.3f} % of {} pixels, to a step: {:.3f} %; open: {}", 100 * c.shareOf(c.halfStep),
+                       c.pixels, 100 * c.shareOf(c.oneStep), c.open);
+}
+
 }  // namespace plumb

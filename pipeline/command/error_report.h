@@ -4,6 +4,7 @@
 
 #include "pipeline/command/command.h"
 #include "pipeline/render/bounds/rounding.h"
+#include "pipeline/truth/certificate.h"
 #include "pipeline/truth/frame_error.h"
 
 #include <optional>
@@ -17,5 +18,8 @@ Json truthJson(const Truth&);
 Json errorJson(const FrameError&, bool sampledAlike, const std::optional<Rounding>& rounding);
 // Error figures in one line for people: max and where, p99, rms, wrong primitives, rounding.
 std::string errorLine(const FrameError&, const Truth&, const std::optional<Rounding>& rounding);
+// Shares of the pixels that are certified to half a step, to a step, and not at all.
+Json certificateJson(const Certificate&);
+std::string certificateLine(const Certificate&);
 
 }  // namespace plumb

@@ -135,9 +135,13 @@ RenderRequest choose(const Options& options, Loaded& loaded) {
 
 // Asks for the planes that the truth is compared with; they change no byte of the picture.
 void askForTruth(const Options& options, const Scene& scene, RenderRequest& request) {
-    if (options.stereo != StereoForm::none) throw usageError("--with-error: the truth is that of one eye; measure each by its own --eye");
+    const char* flag = std::any_of(options.aovs.begin(), options.aovs.end(), [](Plane aov) { return (aov & kPlanesJudged) != 0; })
+                           ? "--aov error, certified"
+                           : "--with-error";
+    if (options.stereo != StereoForm::none)
+        throw usageError(fmt::format("{}: the truth is that of one eye; measure each by its own --eye", flag));
     if (!techniqueOf(scene, request).showsSurfaces())
-        throw usageError("--with-error: a wire frame has no truth: its lines are a drawing, not the picture of a surface");
+        throw usageError(fmt::format("{}: a wire frame has no truth: its lines are a drawing, not the picture of a surface", flag));
     request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
 }
 
@@ -368,6 +372,11 @@ private:
         p.truthMs = truth.timeMs;
         p.report["truth"] = truthJson(truth);
         p.report["error"] = errorJson(error, true, rounding);
+        Certificate certificate = certificateOf(p.result.frame, truth, request_.encoding, request_.transparent);
+        say(options_, certificateLine(certificate));
+        p.report["certificate"] = certificateJson(certificate);
+        if (plan_.planes & kPlaneError) p.result.frame.error = std::move(certificate.steps);
+        if (plan_.planes & kPlaneCertified) p.result.frame.certified = std::move(certificate.grades);
     }
 
     // Hands the frame to the batch of files, or to the sheet.
@@ -488,7 +497,7 @@ Exit renderCommand(const Options& options) {
     }
     if (hasBudget(options)) plannerRequestOf(options, request);  // refuses what cannot be kept before a device is opened
     OutputPlan plan = outputPlanOf(options, loaded.views, loaded.size);
-    request.planes = plan.planes;
+    request.planes = plan.planes & ~uint32_t(kPlanesJudged);
     if (options.withError) askForTruth(options, loaded.scene, request);
     if (options.flicker) request.planes |= kPlaneObject;
     const std::unique_ptr<Renderer> renderer = opening.get();

@@ -14,8 +14,8 @@ namespace plumb {
 struct Frame {
     uint32_t width = 0, height = 0;
     std::vector<uint32_t> rgba;  // bytes R, G, B, A; A = 255, or coverage with a transparent background (straight alpha)
-    std::vector<float> linear, depth, distance, normal, z;
-    std::vector<uint32_t> object, primitive, triangle;
+    std::vector<float> linear, depth, distance, normal, z, error;
+    std::vector<uint32_t> object, primitive, triangle, certified;
     uint64_t coveredPixels = 0;  // pixels with at least one covered sample
 };
 
@@ -52,6 +52,12 @@ void forEachPlane(const Body& body) {
                          "Euclidean distance from the eye, scene units, +infinity where nothing is drawn"},
          &Frame::distance);
     body(PlaneRow<float>{kPlaneNormal, nameOf(kPlaneNormal), 3, 0, "world space, unit length, 0 where nothing is drawn"}, &Frame::normal);
+    body(
+        PlaneRow<float>{kPlaneError, nameOf(kPlaneError), 1, kFar,
+                        "largest distance of a channel from exact arithmetic, steps of 1/255 of the sRGB code, +infinity where it is open"},
+        &Frame::error);
+    body(PlaneRow<uint32_t>{kPlaneCertified, nameOf(kPlaneCertified), 1, 0, "0 open, 1 decided, 2 within a step, 3 within half a step"},
+         &Frame::certified);
 }
 
 }  // namespace plumb

@@ -14,8 +14,8 @@
 
 namespace plumb {
 
-// The planes that show what is seen at a pixel: all but its colours.
-inline constexpr uint32_t kPlanesSeen = ~uint32_t(kPlaneColour | kPlaneLinear);
+// The planes that show what is seen at a pixel: all but its colours and what is judged of them.
+inline constexpr uint32_t kPlanesSeen = ~uint32_t(kPlaneColour | kPlaneLinear | kPlanesJudged);
 
 // What the planes show of a pixel where nothing is drawn. A way to draw derives its own from it and hides the functions whose answers it knows; only
 // those of planes that are asked for are called. The calls are resolved when the writer is compiled: there is no virtual call a pixel.

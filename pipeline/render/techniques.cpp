@@ -53,6 +53,8 @@ const Technique& techniqueOf(const Scene& scene, const RenderRequest& request) {
 }
 
 void refuse(const Scene& scene, const RenderRequest& request) {
+    if (request.planes & kPlanesJudged)
+        throw usageError("the planes error and certified compare a finished picture with its truth: `plumb render --aov` writes them");
     refuseSize(request);
     techniqueOf(scene, request).refuse(scene, request);
 }

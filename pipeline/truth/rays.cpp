@@ -106,7 +106,7 @@ public:
         out.bound += out.colour * (double(roundings_) * kDoubleUnit) + kUnderflow;
         out.bound *= kOwnRounding;
         out.distanceError = distanceError_;
-        out.decided = !doubtful_;
+        out.decided = !doubtful_ && !primaryOpen_;
         return out;
     }
 

@@ -136,6 +136,33 @@ class Rendering(Command):
         self.twin(2, "render", "cube.obj", "-o", "w.png", "--shading", "wire", "--with-error", says="wire frame has no truth")
         self.assertEqual(self.files(), ["a.png", "b.png", "c.png", "cube.obj"])
 
+    def test_pixels_are_certified(self):
+        done = self.twin(0, "render", "cube.obj", "-o", "{aov}.npy", "--aov", "error,certified,color,id", "--json", says="certified to half a step: ")
+        report = json.loads(done.stdout)["certificate"]
+        header = 128  # of an NPY of this size
+        steps, grades = (list(struct.iter_unpack(code, self.read(name)[header:])) for code, name in (("<f", "error.npy"), ("<I", "certified.npy")))
+        ids = list(struct.iter_unpack("<I", self.read("object_id.npy")[header:]))
+        self.assertEqual((len(steps), len(grades)), (64 * 48, 64 * 48))
+        for (step,), (grade,) in zip(steps, grades):
+            self.assertEqual(grade, 0 if step == float("inf") else 3 if step <= 0.5 else 2 if step <= 1 else 1)
+            self.assertGreater(step, 0)  # no certificate is without the truth's own error
+        shown = [grade for (grade,), (thing,) in zip(grades, ids) if thing != 0xffffffff]
+        self.assertTrue(0 < report["halfStep"] <= report["oneStep"] <= report["pixels"], report)
+        self.assertLessEqual(abs(report["pixels"] - len(shown)), report["pixels"] // 50)  # pixels on the outline may show what the truth does not
+        self.assertGreaterEqual(report["oneStep"], sum(grade >= 2 for grade in shown))
+        self.assertEqual((report["open"], report["halfStepShare"]), (0, report["halfStep"] / report["pixels"]))
+        x, y = report["maxAt"]
+        self.assertEqual(struct.pack("<f", report["max"] * 255), struct.pack("<f", steps[64 * y + x][0]))
+        plain = self.twin(0, "render", "cube.obj", "-o", "plain.npy")
+        self.assertNotIn(b"certified", plain.stderr)
+        self.assertEqual(self.read("plain.npy"), self.read("color.npy"))
+        flat = json.loads(self.twin(0, "render", "cube.obj", "-o", "flat.exr", "--shading", "unlit", "--aov", "error,certified", "--json").stdout)["certificate"]
+        self.assertLess(flat["oneStep"], report["oneStep"])
+        self.assertIn(b"plumb:error", self.read("flat.exr"))
+        self.twin(2, "render", "cube.obj", "-o", "w.npy", "--shading", "wire", "--aov", "certified", says="--aov error, certified: a wire frame has no truth")
+        self.twin(2, "render", "cube.obj", "-o", "e{eye}.npy", "--stereo", "pair", "--aov", "error", says="one eye")
+        self.twin(2, "render", "cube.obj", "-o", "a.png", "--aov", "error", says="holds color only")
+
     def test_trades_change_the_picture_and_are_refused_by_name(self):
         self.twin(0, "render", "cube.obj", "-o", "a.png")
         for trade in ("interpolation=affine,light-vector=scene", "light-vector=face,transform=fp64", "light-vector=vertex,transform=block-integer", "subpixel=4", "rate=1/2"):

@@ -57,6 +57,18 @@ TEST(Technique, TheFirstThatDrawsARequestIsChosen) {
     EXPECT_EQ(nameFor(balls, requestOf(Shading::phong)), "raster") << "which refuses them";
 }
 
+TEST(Technique, NoneDrawsWhatComesOfComparingItsPicture) {
+    for (const Shading shading : {Shading::phong, Shading::ray, Shading::wire})
+        for (const Plane plane : {kPlaneError, kPlaneCertified}) {
+            RenderRequest request = requestOf(shading);
+            const Technique& technique = techniqueOf(triangles(), request);
+            EXPECT_EQ(technique.planes & plane, 0u) << technique.name;
+            EXPECT_EQ(refusalOf(triangles(), request), "");
+            request.planes |= plane;
+            EXPECT_NE(refusalOf(triangles(), request).find("plumb render --aov"), std::string::npos) << nameOf(plane);
+        }
+}
+
 TEST(Technique, WhatItDoesNotHaveIsOneSentenceWithoutADevice) {
     const auto change = [](RenderRequest request, const std::function<void(RenderRequest&)>& body) {
         body(request);
