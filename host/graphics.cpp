@@ -52,6 +52,8 @@ struct GraphicsImpl {
         }
     }
     ~GraphicsImpl() {
+        if (device.hung && fence && device.vk.vkWaitForFences(device.handle, 1, &fence, VK_TRUE, uint64_t(kGraceMs * 1e6)) == VK_SUCCESS)
+            device.hung = false;
         if (!device.hung) destroy();
     }
     GraphicsImpl(const GraphicsImpl&) = delete;
@@ -329,13 +331,13 @@ void GraphicsPipeline::run(double watchdogMs) {
     GraphicsImpl& g = *impl_;
     const VolkDeviceTable& vk = g.device.vk;
     PLUMB_ASSERT(g.recorded);
-    if (g.device.hung) throw renderError("the device is still busy with work that ran into the watchdog");
+    if (g.device.hung) throw renderError("the device may still be busy: the end of its last work was not seen");
     VK_CHECK(vk.vkResetFences(g.device.handle, 1, &g.fence));
     const VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO, nullptr, 0, nullptr, nullptr, 1, &g.commands, 0, nullptr};
     VK_CHECK(vk.vkQueueSubmit(g.device.queue, 1, &submit, g.fence));
     const VkResult waited = vk.vkWaitForFences(g.device.handle, 1, &g.fence, VK_TRUE, uint64_t(std::clamp(watchdogMs * 1e6, 0.0, 1e18)));
     if (waited == VK_SUCCESS) return;
-    g.device.hung = waited == VK_TIMEOUT;
+    g.device.hung = true;  // whatever the wait failed with, the work may run on; the destructor waits once more
     throw renderError(fmt::format("graphics pipeline: {} while waiting for the device", resultName(waited)));
 }
 

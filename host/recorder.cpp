@@ -29,7 +29,6 @@ constexpr uint32_t kSlotsPerBuffer = 1024;
 constexpr uint32_t kQueriesPerPool = 512;
 constexpr uint32_t kSetsPerPool = 64, kDescriptorsPerSet = 8;
 constexpr double kWitnessMs = 60000;  // watchdog of dispatches that a witness sees
-constexpr double kGraceMs = 5000;     // how long a destructor waits for work that ran into the watchdog
 
 const char* kindText(BindingKind kind) {
     switch (kind) {
@@ -242,7 +241,7 @@ void RecorderImpl::checkLabel(const char* label) const {
 }
 
 void RecorderImpl::begin() {
-    if (device.hung) throw renderError("the device is still busy with work that ran into the watchdog");
+    if (device.hung) throw renderError("the device may still be busy: the end of its last work was not seen");
     if (recording) return;
     const VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
                                         nullptr};
@@ -483,8 +482,8 @@ void RecorderImpl::submitAndWait(double watchdogMs) {
     const VkResult waited = device.vk.vkWaitForFences(device.handle, 1, &fence, VK_TRUE, uint64_t(timeoutNs));
     if (waited == VK_SUCCESS) return;
     const std::string what = recorded.front().label + (recorded.size() > 1 ? fmt::format(" and {} more", recorded.size() - 1) : "");
-    device.hung = waited == VK_TIMEOUT;
-    if (device.hung) throw renderError(fmt::format("{}: the device did not finish within {:.0f} ms (watchdog)", what, watchdogMs));
+    device.hung = true;  // whatever the wait failed with, the work may run on; the destructor waits once more
+    if (waited == VK_TIMEOUT) throw renderError(fmt::format("{}: the device did not finish within {:.0f} ms (watchdog)", what, watchdogMs));
     throw renderError(fmt::format("{}: {} while waiting for the device", what, resultName(waited)));
 }
 

@@ -145,6 +145,9 @@ struct ShrunkNative {
 };
 ShrunkNative shrinkLimits(const char* text, DeviceLimits& limits, uint64_t& memoryBudgetBytes);
 
+// Time that a destructor waits for work whose end was not seen.
+inline constexpr double kGraceMs = 5000;
+
 struct DeviceImpl {
     std::shared_ptr<Instance> instance;
     VkPhysicalDevice physical = VK_NULL_HANDLE;
@@ -169,7 +172,8 @@ struct DeviceImpl {
     std::map<std::string, std::vector<uint32_t>, std::less<>> planted;  // of tests: words in place of a module's own, by its name
     std::set<std::string, std::less<>> modulesRun;                      // names of what was dispatched
     DispatchWitness witness;                                            // empty: nobody wants the bytes of dispatches
-    // True after a fence timed out: work may still run, so nothing that it uses may be destroyed.
+    // True from a wait for a fence that failed, for whatever reason, to one that succeeds: work may still run, so nothing that it uses may be
+    // destroyed.
     bool hung = false;
 
     DeviceImpl() = default;
