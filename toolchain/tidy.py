@@ -3,12 +3,17 @@
 """clang-tidy over our own translation units of a Ninja build tree, in parallel. A unit that was clean is not judged again until it, a file it
 includes, its flags or .clang-tidy changes.
 
-usage: tidy.py BUILD [JOBS] [SOURCE...]    SOURCE: a file, or a folder with all below it
+Most of the time goes into headers, so units with the same flags are judged as one text. A text with a finding is judged anew, unit by unit. With
+--alone every unit is judged by itself, which also sees a using declaration that only another unit of its text uses.
+
+usage: tidy.py BUILD [JOBS] [--alone] [SOURCE...]    SOURCE: a file, or a folder with all below it
 """
+import collections
 import concurrent.futures
 import hashlib
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -65,7 +70,50 @@ def judge(build, source, arguments):
     return done.returncode, done.stdout + (done.stderr if done.returncode and not done.stdout else "")
 
 
+MOST_TOGETHER = 10
+# A definition in the first column; what stands in a class or a function is indented.
+NAME = re.compile(r"^(?:struct|class|enum class|enum|union)\s+(\w+)|^(?!\s|return|else|if|for|while|namespace|static_assert|#|//)[\w:<>,*& \[\]]*?(?<!:)\b(\w+)\s*(?:\(|=|\{|\[)", re.M)
+
+
+def batches(todo):
+    """Lists of units that can be one text: of the same flags, and with no name defined in two of them."""
+    finished, filling = [], collections.defaultdict(list)  # flags -> [(units, names)]
+    for unit in todo:
+        source, arguments, _ = unit
+        with open(source, encoding="utf-8") as f:
+            names = {a or b for a, b in NAME.findall(f.read())}
+        places = filling[tuple(arguments)]
+        for place in places:
+            if not place[1] & names:
+                place[0].append(unit)
+                place[1].update(names)
+                break
+        else:
+            place = ([unit], names)
+            places.append(place)
+        if len(place[0]) == MOST_TOGETHER:
+            places.remove(place)
+            finished.append(place[0])
+    return finished + [units for places in filling.values() for units, _ in places]
+
+
+def judge_together(build, number, batch):
+    """[(unit, code, text)] of a batch."""
+    if len(batch) > 1:
+        path = os.path.join(build, "tidy", f"together{number}.cpp")
+        with open(path, "w", encoding="utf-8") as out:
+            for source, _, _ in batch:
+                with open(source, encoding="utf-8") as f:
+                    out.write(f.read() + "\n")
+        if judge(build, path, batch[0][1])[0] == 0:
+            return [(unit, 0, "") for unit in batch]
+    return [(unit, *judge(build, unit[0], unit[1])) for unit in batch]
+
+
 def main():
+    alone = "--alone" in sys.argv
+    if alone:
+        sys.argv.remove("--alone")
     if len(sys.argv) < 2 or not os.path.exists(os.path.join(sys.argv[1], "build.ninja")):
         print("usage: tidy.py BUILD [JOBS] [SOURCE...]    BUILD: a Ninja tree that is built")
         return 2
@@ -85,17 +133,19 @@ def main():
             continue
         chosen += 1
         stamp = os.path.join(stamps, key_of(source, arguments, files.get(output, [])))
-        if not os.path.exists(stamp):
-            todo.append((source, arguments, stamp))
+        if not os.path.exists(stamp + ".alone") and (alone or not os.path.exists(stamp)):
+            todo.append((source, arguments, stamp + ".alone" if alone else stamp))
     faulty = 0
+    work = [[unit] for unit in todo] if alone else batches(todo)
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        for (source, _, stamp), (code, text) in zip(todo, pool.map(lambda t: judge(build, t[0], t[1]), todo)):
-            if code:
-                faulty += 1
-                print(f"{inside(source)}:\n{text}", flush=True)
-            else:
-                open(stamp, "w").close()
-    print(f"tidy: {chosen} of {len(everything)} units, {len(todo)} judged now, {faulty} with faults")
+        for judged in pool.map(lambda w: judge_together(build, *w), enumerate(sorted(work, key=len, reverse=True))):
+            for (source, _, stamp), code, text in judged:
+                if code:
+                    faulty += 1
+                    print(f"{inside(source)}:\n{text}", flush=True)
+                else:
+                    open(stamp, "w").close()
+    print(f"tidy: {chosen} of {len(everything)} units, {len(todo)} judged now in {len(work)} texts, {faulty} with faults")
     return 1 if faulty or not chosen else 0
 
 
