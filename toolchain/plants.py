@@ -3,7 +3,7 @@
 """Lists the decisions of the contracts (shaders/shared/*.h) and fails on one that nothing shows to matter.
 
 A decision is a comparison (< > <= >= == != gt same), a logical && or ||, a min, max or clamp, or a choice (if, ?:, pick) whose condition holds
-none of these. Each needs a planted fault in tests/fault/plants/ (one file a contract, one for `bound` and one for `measure`) that changes it or what it decides on, or a reason why there can be none:
+none of these. Each needs a planted fault in tests/fault/plants/ (one file a contract, and one each for `bound`, `measure`, `certificate` and the notes' own steps) that changes it or what it decides on, or a reason why there can be none:
 
     // no plant: reason        at the end of its line, or alone on the line above
 
