@@ -4,7 +4,7 @@
 
 The order (a room may include itself and what stands before it):
 
-    shaders/shared < host < transform < choices < scene < detail < passes < render < truth < pixel, measure, bench, fingerprint, image < suite < library, compare, report < cli < command < tests
+    shaders/shared < host < transform < choices < scene < detail < passes < render < truth < pixel, measure, bench, fingerprint, image < planner < stress, suite < library, compare, report < cli < command < tests
 
 Two places differ from the order that a reader might expect. The plan is made in render/, because it is made of the passes that
 render/ strings together. cli/ stands late and may include choices/ and scene/ only: it turns words into a request and knows nothing of passes;
@@ -54,6 +54,8 @@ ROOMS = {
     "pipeline/planner": ("which choices a budget of error or time needs: counted work, probes, and the check of the finished picture",
         ["pipeline/planner", "pipeline/measure", "pipeline/truth", "pipeline/render", "pipeline/scene", "pipeline/choices", "host/cache.h", "host/error.h"],
         ["glm", "fmt"]),
+    "pipeline/stress": ("how far a scene can be driven along extremes before its picture is wrong",
+        ["pipeline/stress", "pipeline/planner/check.h", "pipeline/truth", "pipeline/render", "pipeline/scene", "pipeline/choices", "host/error.h"], ["glm", "fmt"]),
     "pipeline/image": ("a picture as a file: PNG, EXR, NPY, eyes side by side, inks",
         ["pipeline/image", "pipeline/render", "pipeline/scene", "pipeline/passes/parallel.h", "host/error.h"], ["png", "zlib", "exr", "glm", "fmt"]),
     "pipeline/library": ("the library's front door: a renderer that chooses and falls back, a picture that saves itself, a scene from a file",

@@ -22,10 +22,11 @@ namespace {
 // A value that a flag does not accept; the parser knows the flag and what it accepts.
 struct Refused {};
 
-constexpr uint32_t kDraw = kRender | kVerify | kMeasure | kPlan | kPixel;
-constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix | kBench | kMeasure | kPlan | kPixel;
-constexpr uint32_t kReports = kRender | kVerify | kReplay | kDevices | kInfo | kMatrix | kDiff | kBench | kMeasure | kPlan | kPixel;
-constexpr uint32_t kUsesDevice = kRender | kVerify | kReplay | kDevices | kBench | kMeasure | kPlan | kPixel;
+constexpr uint32_t kDraw = kRender | kVerify | kMeasure | kPlan | kPixel | kStress;
+constexpr uint32_t kReads = kRender | kVerify | kInfo | kMatrix | kBench | kMeasure | kPlan | kPixel | kStress;
+constexpr uint32_t kReports =
+    kRender | kVerify | kReplay | kDevices | kInfo | kMatrix | kDiff | kBench | kMeasure | kPlan | kPixel | kStress;
+constexpr uint32_t kUsesDevice = kRender | kVerify | kReplay | kDevices | kBench | kMeasure | kPlan | kPixel | kStress;
 constexpr uint32_t kLargestSide = 65536;
 
 // All of `text`, without a locale; NaN, infinity and out of range are refused.
@@ -379,7 +380,7 @@ const std::vector<Flag> kFlags = {
          o.progress = oneOf<ProgressMode>(v, {{"auto", ProgressMode::automatic}, {"bar", ProgressMode::bar}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}});
      }},
     {"--trade", "LIST", tradeHelp(), "the most accurate of each", acceptedTrades(), tradeWords(), kDraw, addTrades, true},
-    {"--axis", "LIST", "measure the choices of these axes, by commas", "all", "names of axes, by commas; `plumb measure SCENE` lists them", kNoWords, kMeasure,
+    {"--axis", "LIST", "only these axes, by commas: of choices (measure) or of extremes (stress)", "all", "names of axes, by commas; `plumb measure SCENE` and `plumb stress SCENE` list them", kNoWords, kMeasure | kStress,
      [](Options& o, const std::string& v) {
          for (const auto part : split(v, ',')) {
              if (part.empty()) throw Refused{};
@@ -387,7 +388,7 @@ const std::vector<Flag> kFlags = {
          }
      },
      true},
-    {"--limit", "TIME", "end after this time; choices that it leaves no time for are cut and listed", "120s", "a time with ms, s or min, at least 1ms, e.g. 90s", kNoWords, kMeasure,
+    {"--limit", "TIME", "end after this time; choices or axes that it leaves no time for are cut and listed", "120s", "a time with ms, s or min, at least 1ms, e.g. 90s", kNoWords, kMeasure | kStress,
      [](Options& o, const std::string& v) { o.limitMs = duration(v); }},
     {"--repetitions", "N", "rounds in which each choice is drawn once; medians and a front need at least 3, telling times apart about 8 to 11", "31", "a whole number, 1 to 1000", kNoWords, kMeasure,
      [](Options& o, const std::string& v) { o.repetitions = number<uint32_t>(v, 1, 1000); }},
@@ -403,9 +404,9 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string&) { o.flicker = true; }},
     {"--with-error", "", "measure the picture against its truth in binary64: largest error and where, p99, rms, wrong primitives", "", "", kNoWords, kRender,
      [](Options& o, const std::string&) { o.withError = true; }},
-    {"--error", "LIST", "take the cheapest choices that keep this error, check the picture against its truth, and exit 6 where no choice does: E or E:METRIC by commas", "no budget",
+    {"--error", "LIST", "take the cheapest choices that keep this error, check the picture against its truth, and exit 6 where no choice does: E or E:METRIC by commas; stress: where a margin ends", "no budget; stress: 1:p99,0.5%:wrong",
      "E or E:METRIC by commas, E in steps of 1/255 (2 or 2/255; for wrong a share, e.g. 0.1%), METRIC one of " + listOf(kErrorMetrics),
-     {"1:max", "0.5:rms", "1:p99", "0.1%:wrong"}, kRender | kPlan, [](Options& o, const std::string& v) { addErrorBudget(o.error, v); }, true},
+     {"1:max", "0.5:rms", "1:p99", "0.1%:wrong"}, kRender | kPlan | kStress, [](Options& o, const std::string& v) { addErrorBudget(o.error, v); }, true},
     {"--time", "T", "take the most accurate choices whose picture is drawn in this time, by counted work and a calibration of the device; exit 6 where none is", "no budget",
      "a time with ms, s or min, at least 1ms, e.g. 200ms", kNoWords, kRender | kPlan, [](Options& o, const std::string& v) { o.timeMs = duration(v); }},
     {"--check-time", "T", "with --error: check a random sample of the pixels where the truth of all would take longer", "ten times the picture's time",
@@ -598,6 +599,20 @@ const std::vector<CommandRow> kCommands = {
      {{{"plumb pixel scene.toml 320,240", "one pixel, from its vertices to its bytes"},
        {"plumb pixel scene.toml 320,240 100,50 --json", "two pixels, for programs"},
        {"plumb pixel mug.obj --polygon 7", "one polygon of the first object, as far as it goes without a pixel"}}}},
+    {kStress,
+     "stress",
+     "SCENE|MESH...",
+     "find where a scene stops being drawn right",
+     "Drives the scene along extremes by powers of two: vertices far from 0, scene and camera far from 0 or from each other, size, field "
+     "of view, near plane, layers close together, highlights, lights, grazing angles, resolution, mesh density, depth of rays. "
+     "Each picture is compared with its truth, and where the error passes --error the place is bisected. Prints a margin for each axis, "
+     "also with float32 alone. "
+     "A margin m was drawn on both sides: at m/2 the picture keeps the error, at 2m and 4m it does not. Axes that do not apply are named "
+     "with the reason. "
+     "Exit 1: the scene itself is beyond a margin.",
+     {{{"plumb stress scene.toml --size 160x120", "the margins of every axis"},
+       {"plumb stress mug.obj --axis fov,near --error 2:max", "two axes, and another error"},
+       {"plumb stress scene.toml --size 160x120 --json=stress.json", "every picture that was drawn, for programs"}}}},
     {kHelp,
      "help",
      "[COMMAND]",
@@ -609,7 +624,7 @@ const std::vector<CommandRow> kCommands = {
 };
 
 // Reserved by the design for later versions, so that nothing else takes the words.
-constexpr std::array kLater = {"stress", "view", "merge", "worker", "report"};
+constexpr std::array kLater = {"view", "merge", "worker", "report"};
 
 constexpr std::array<ExitRow, 11> kExitCodes = {{{0, "done, and every gate held"},
                                                  {1, "compared, and different"},

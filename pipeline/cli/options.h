@@ -33,7 +33,8 @@ enum Command : uint32_t {
     kPixel = 512,
     kPlan = 1024,
     kReplay = 2048,
-    kEveryCommand = 127 | kMatrix | kBench | kPixel | kPlan | kReplay
+    kStress = 4096,
+    kEveryCommand = 127 | kMatrix | kBench | kPixel | kPlan | kReplay | kStress
 };
 
 enum class ProgressMode { automatic, bar, plain, json, none };
@@ -99,8 +100,8 @@ struct Options {
     bool json = false;
     std::string jsonFile;  // empty: stdout
     ProgressMode progress = ProgressMode::automatic;
-    std::vector<std::string> axes;  // axes of measure; empty: all
-    double limitMs = 120000;        // longest time of a measurement
+    std::vector<std::string> axes;  // axes of measure and stress; empty: all
+    double limitMs = 120000;        // longest time of a measurement or of a sweep
     uint32_t repetitions = 31;
     bool csv = false;
     std::string csvFile;  // empty: stdout

@@ -25,6 +25,7 @@ Exit infoCommand(const Options&);
 Exit matrixCommand(const Options&);
 Exit benchCommand(const Options&);
 Exit pixelCommand(const Options&);
+Exit stressCommand(const Options&);
 Exit helpCommand(const Options&);
 
 // Version report of `--version`, and the "tool" of every report.

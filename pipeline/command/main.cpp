@@ -45,6 +45,8 @@ plumb::Exit run(const plumb::Options& options) {
             return benchCommand(options);
         case kPixel:
             return pixelCommand(options);
+        case kStress:
+            return stressCommand(options);
         default:
             return helpCommand(options);
     }

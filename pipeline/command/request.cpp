@@ -95,7 +95,7 @@ LoadOptions loadOptionsOf(const Options& options, Progress* progress, double fro
     load.camera = options.camera;
     load.creaseDegrees = options.creaseDegrees;
     load.keepNumbers = options.withError || !options.error.empty() || options.timeMs || options.command == kPlan ||
-                       options.command == kMeasure || options.command == kPixel || options.command == kInfo;
+                       options.command == kMeasure || options.command == kPixel || options.command == kInfo || options.command == kStress;
     load.format = options.format;
     load.onProgress = [progress, from, to, stage = ""](double done, const char* now) mutable {
         stopIfInterrupted();

@@ -3,6 +3,7 @@
 
 #include "pipeline/scene/flattened.h"
 #include "pipeline/scene/shape.h"
+#include "pipeline/truth/real.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,11 @@ constexpr double kUnit = 0x1p-53;  // u, unit round-off of binary64
 // Factor for second-order terms. The bounds below are first order in u and are themselves computed in binary64 with fewer than 2^20
 // operations.
 constexpr double kSecondOrder = 1.0 + 0x1p-20;
+
+// Terms above this many times their sum: the sum cancels, and binary64 would keep little of it.
+constexpr double kCancels = 64;
+// Share of the terms that is left of them in the error of a sum in binary128: four roundings of 2^-113, in parts of 5 u.
+constexpr double kQuadShare = 0x1p-60;
 
 // Magnitude |x| + |error of x|: no smaller than the true magnitude.
 double reach(const Bounded& x) { return std::abs(x.value) + x.error; }
@@ -84,6 +90,15 @@ Corner Geometry::corner(uint32_t object, uint32_t vertex) const {
         }
         corner.fromEye[j] = sum;
         magnitude[j] = size;
+    }
+    if (glm::length(magnitude) > kCancels * glm::length(corner.fromEye)) {
+        // A mesh far from 0, or a camera: products of binary64 numbers are exact in binary128, and four roundings are left.
+        for (int j = 0; j < 3; ++j) {
+            Quad sum = Quad(o.worldFromObject[3][j]) - Quad(pinhole_.eye[j]);
+            for (int k = 0; k < 3; ++k) sum += Quad(o.worldFromObject[k][j]) * Quad(p[k]);
+            corner.fromEye[j] = double(sum);
+            magnitude[j] = std::abs(corner.fromEye[j]) + kQuadShare * magnitude[j];
+        }
     }
     corner.fromEyeError = 5 * kUnit * glm::length(magnitude) * kSecondOrder;
     // Error along a camera axis: three products, two additions and the scale are 4 u more of |axis| . magnitude, which is no less than

@@ -16,7 +16,7 @@ import tempfile
 import time
 
 # Pages about a command: an answer that is run stands in their first screen.
-PAGES = ("accuracy.md", "budgets.md", "commands.md", "containers.md", "diff.md", "fingerprint.md", "measure.md", "outputs.md", "pixel.md", "rays.md", "scene-format.md", "tests.md", "truth.md")
+PAGES = ("accuracy.md", "budgets.md", "commands.md", "containers.md", "diff.md", "fingerprint.md", "measure.md", "outputs.md", "pixel.md", "rays.md", "scene-format.md", "stress.md", "tests.md", "truth.md")
 SCREEN = 40  # lines
 ANSWERS = ("", "text", "json")
 
@@ -46,6 +46,7 @@ REPORTS = [
     "plumb plan scenes/four-spheres.toml --size 64x48 --device twin -q",
     "plumb verify scenes/pyramid.toml -q",
     "plumb pixel scenes/pyramid.toml 200,310 --fill exact -q",
+    "plumb stress scenes/suzanne.toml --size 64x48 --axis fov -q",
     "plumb diff x.png x.png --gate 'max<=0.1'",
     "plumb measure scenes/suzanne.toml --size 64x48 --axis depth,specular --repetitions 3 -q",
     "plumb devices",
