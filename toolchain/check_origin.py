@@ -29,6 +29,7 @@ ALLOWED = {
     "render/bounds/vertex_arithmetic.cpp": "compares matrices of objects whose edges may be common",
     "pixel/notes_chain.h": "starts from the file's numbers: the vertex as stated is its kept numbers and the mesh's origin",
     "pixel/raster.cpp": "asks for its linear part",
+    "pixel/ray_chain.h": "starts from the file's numbers: the vertex as stated is its kept numbers and the mesh's origin",
     "stress/axes.cpp": "sets it: what offsets the vertices brings the object back",
     "stress/move.cpp": "sets it; boxes are as the file states them",
     "suite/scenes.h": "sets it",

@@ -105,6 +105,15 @@ void addPoint(Options& o, const std::string& text) {
     o.spacePoints |= parts.size() == 3;
 }
 
+void setRay(Options& o, const std::string& text) {
+    const auto parts = split(text, ',');
+    if (parts.size() != 6) throw Refused{};
+    std::array<glm::dvec3, 2> ray;
+    for (int i = 0; i < 6; ++i) ray[size_t(i) / 3][i % 3] = real(parts[size_t(i)]);
+    if (ray[0] == ray[1]) throw Refused{};
+    o.ray = ray;
+}
+
 void setSize(Options& o, const std::string& text) {
     const auto parts = split(text, 'x');
     if (parts.size() != 2) throw Refused{};
@@ -447,6 +456,7 @@ const std::vector<Flag> kFlags = {
      [](Options& o, const std::string&) { o.compare = true; }},
     {"--polygon", "N", "open this polygon of the object, at the pixels if any are given", "", "a whole number, from 0", kNoWords, kPixel,
      [](Options& o, const std::string& v) { o.polygon = number<uint32_t>(v, 0, ~uint32_t(0)); }},
+    {"--ray", "X,Y,Z,X,Y,Z", "open the ray from the first point through the second, by --shading ray", "", "six finite numbers by commas, two different points of the world", kNoWords, kPixel, setRay},
     {"--vertex", "N", "open the polygon that has this vertex of the object first", "", "a whole number, from 0", kNoWords, kPixel,
      [](Options& o, const std::string& v) { o.vertex = number<uint32_t>(v, 0, ~uint32_t(0)); }},
     {"--man", "", "print the man page", "", "", kNoWords, kHelp, [](Options& o, const std::string&) { o.man = true; }},
@@ -697,6 +707,8 @@ void checkTogether(const Options& o) {
         throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output)));
     if (o.command == kPixel && o.views.size() > 1) throw usageError("`plumb pixel` opens pixels of one picture: give --view once at most");
     if (o.polygon && o.vertex) throw usageError("--polygon and --vertex exclude each other");
+    if (o.ray && (o.polygon || o.vertex)) throw usageError("--ray opens what it meets; leave --polygon and --vertex out");
+    if (o.ray && o.inputs.size() > 1) throw usageError("--ray is a picture of its own; leave the pixels out");
     if (o.compare && (o.fingerprint || o.allFloats))
         throw usageError("--compare and --fingerprint exclude each other: compare reads two files");
     if (o.suite && !o.inputs.empty()) throw usageError("--suite has its own scenes: leave the operands out");

@@ -132,7 +132,8 @@ struct Options {
 
     bool fingerprint = false, allFloats = false, compare = false;  // of devices
 
-    std::optional<uint32_t> polygon, vertex;  // pixel: what to open, by number from 0
+    std::optional<uint32_t> polygon, vertex;       // pixel: what to open, by number from 0
+    std::optional<std::array<glm::dvec3, 2>> ray;  // pixel: start, and a point that the ray passes through, world
 
     bool man = false;
     std::string completion;  // bash, zsh, fish

@@ -10,9 +10,11 @@
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/pixel/open.h"
+#include "pipeline/scene/look_at.h"
 #include "pipeline/scene/text.h"
 
 #include <fmt/core.h>
+#include <array>
 #include <charconv>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -61,8 +63,19 @@ std::vector<Asked> askedBy(const Options& options, const Scene& scene) {
         one.pixel = pixelOf(options.inputs[i]);
         all.push_back(one);
     }
-    if (all.empty() && (common.face || common.vertex)) all.push_back(common);
+    if (options.ray) {
+        common.pixel = glm::uvec2(0);
+        common.through = (*options.ray)[1];
+    }
+    if (all.empty() && (common.face || common.vertex || options.ray)) all.push_back(common);
     return all;
+}
+
+// A ray is the picture of one pixel from its start.
+void lookAlong(const std::array<glm::dvec3, 2>& ray, ViewedScene& viewed) {
+    viewed.scene.camera = lookAt(ray[0], ray[1], viewed.scene.up, 45, viewed.scene.leftHanded);
+    viewed.views[0].name = "ray";
+    viewed.views[0].camera = *viewed.scene.camera;
 }
 
 }  // namespace
@@ -70,12 +83,14 @@ std::vector<Asked> askedBy(const Options& options, const Scene& scene) {
 Exit pixelCommand(const Options& options) {
     if (!options.jsonFile.empty()) checkWritable(options.jsonFile, false);
     for (size_t i = 1; i < options.inputs.size(); ++i) pixelOf(options.inputs[i]);
-    if (options.inputs.size() == 1 && !options.polygon && !options.vertex)
-        throw usageError("nothing is asked for: name pixels as COLUMN,ROW, or give --polygon or --vertex");
+    if (options.inputs.size() == 1 && !options.polygon && !options.vertex && !options.ray)
+        throw usageError("nothing is asked for: name pixels as COLUMN,ROW, or give --polygon, --vertex or --ray");
     Progress progress(options.progress, options.quiet);
     Options one = options;
     one.inputs = {options.inputs[0]};
-    const ViewedScene viewed = loadOneView(one, progress, "pixel");
+    if (options.ray) one.size = glm::uvec2(1, 1), one.shading = Shading::ray;
+    ViewedScene viewed = loadOneView(one, progress, "pixel");
+    if (options.ray) lookAlong(*options.ray, viewed);
     const Scene& scene = viewed.scene;
     const glm::uvec2 size = viewed.size;
     RenderRequest request = requestOf(one, scene, size);

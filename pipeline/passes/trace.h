@@ -63,6 +63,30 @@ struct TraceOutput {
 void traceCpu(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices, const TraceOutput& output,
               std::span<uint64_t> counters, uint32_t threads);
 
+// One ray of a sample's tree as the twin follows it. Lengths in the passes' unit, positions relative to the eye.
+struct TracedRay {
+    uint32_t parent = gpu::kNoObject;  // index of the ray that sent it; kNoObject: it comes from the eye
+    uint32_t kind = gpu::kCountPrimary, depth = 1;
+    glm::vec3 origin{0}, direction{0};
+    float weight = 1;
+    uint32_t from = gpu::kNoObject;  // object that it starts on, and whether it runs inside of it
+    bool inside = false;
+    // Object of its hit; kNoObject: none, and the members below say nothing.
+    uint32_t object = gpu::kNoObject, material = 0;
+    float t = 0;
+    bool within = false;                                    // it runs with the outward normal
+    glm::vec3 point{0}, geometric{0}, normal{0}, bends{0};  // normals on the ray's side
+    glm::vec3 shares{0};                                    // of a triangle's corners
+    gpu::Children children{};
+    bool slid = false;                // the refracted ray was given the least slope
+    std::vector<float> lightReaches;  // for each light, the share of it that reaches the point; 0 where the light is behind the surface
+    glm::vec3 sum{0};                 // the sample's colour when this ray's own part has been added
+};
+// Tree of the sample in column `column` and row `row` of the samples' grid, each ray before its children and the mirrored one first. Not with
+// choices.cutLevels.
+std::vector<TracedRay> traceTree(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices, uint32_t column,
+                                 uint32_t row);
+
 struct TraceBuffers {
     Buffer<glm::vec4> spheres;
     Buffer<float> powers;

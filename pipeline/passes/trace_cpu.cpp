@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The twin: recursion, objects from the last to the first, the tree from its far child to its near one, shadow rays that gather their blockers
 // before they multiply.
+#include "host/error.h"
 #include "pipeline/passes/parallel.h"
 #include "pipeline/passes/trace.h"
 
@@ -18,6 +19,7 @@ struct TwinRay {
     uint32_t from = gpu::kNoObject;
     bool inside = false;
     uint32_t depth = 1, kind = gpu::kCountPrimary, key = 0;
+    uint32_t parent = gpu::kNoObject;  // in the list of rays that are kept
 };
 
 struct Nearest {
@@ -27,8 +29,9 @@ struct Nearest {
 
 class Tracer {
 public:
-    Tracer(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices)
-        : push_(push), scene_(scene), choices_(choices), counters_(gpu::kCounters) {}
+    // `kept`: the rays of a tree are added to it; null: none is kept.
+    Tracer(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices, std::vector<TracedRay>* kept = nullptr)
+        : push_(push), scene_(scene), choices_(choices), counters_(gpu::kCounters), kept_(kept) {}
 
     // The colour of the tree below `ray` is added to `colour`, each ray before its children; in whole levels it becomes `colour`.
     struct Seen {
@@ -39,8 +42,11 @@ public:
         ++counters_[(ray.depth - 1) * gpu::kCountKinds + ray.kind];
         Seen seen;
         seen.hit = nearest(ray);
+        const auto number = kept_ ? uint32_t(kept_->size()) : gpu::kNoObject;
+        if (kept_) keep(ray, seen.hit);
         if (seen.hit.object == gpu::kNoObject) {
             colour = choices_.cutLevels ? gpu::wholeLevels(push_.sky) : colour + push_.sky * ray.weight;
+            if (kept_) kept_->back().sum = colour;
             return seen;
         }
         uint32_t material = 0;
@@ -64,18 +70,33 @@ public:
                                              ray.depth, push_.maxDepth, push_.minWeight);
         next.mirror = next.mirror && (choices_.mirrors || choices_.passes);
         next.pass = next.pass && choices_.passes;
+        const glm::vec3 bent = next.passDirection;
         if (mesh) next.passDirection = gpu::onSideOf(next.passDirection, -geometric, gpu::leastSlope(ray.direction, geometric));
+        if (kept_) {
+            TracedRay& kept = (*kept_)[number];
+            kept.material = material;
+            kept.within = within;
+            kept.point = s.point;
+            kept.geometric = geometric;
+            kept.normal = seen.normal;
+            kept.bends = bends;
+            kept.children = next;
+            kept.slid = bent != next.passDirection;
+            if (mesh) kept.shares = shares_;
+            kept.sum = colour;
+        }
         const uint32_t mirrorKey = gpu::keyOfChild(ray.key, gpu::kCountReflected), passKey = gpu::keyOfChild(ray.key, gpu::kCountRefracted);
         if (choices_.jitterMirror > 0)
             next.mirrorDirection = gpu::jittered(next.mirrorDirection, geometric, choices_.jitterMirror, mirrorKey);
         if (choices_.jitterPass > 0) next.passDirection = gpu::jittered(next.passDirection, geometric, choices_.jitterPass, passKey);
         glm::vec3 mirrored(0);
         if (next.mirror)
-            follow({q, next.mirrorDirection, next.mirrorWeight, seen.hit.object, within, ray.depth + 1, gpu::kCountReflected, mirrorKey},
+            follow({q, next.mirrorDirection, next.mirrorWeight, seen.hit.object, within, ray.depth + 1, gpu::kCountReflected, mirrorKey,
+                    number},
                    choices_.cutLevels ? mirrored : colour);
         if (next.pass)
             follow({gpu::leaveSurface(s.point, -geometric, s.error), next.passDirection, next.passWeight, seen.hit.object, !within,
-                    ray.depth + 1, gpu::kCountRefracted, passKey},
+                    ray.depth + 1, gpu::kCountRefracted, passKey, number},
                    choices_.cutLevels ? mirrored : colour);
         if (choices_.cutLevels) colour = gpu::cutLevels(mirrored * m.reflect, own);
         return seen;
@@ -84,6 +105,20 @@ public:
     const std::vector<uint64_t>& counters() const { return counters_; }
 
 private:
+    void keep(const TwinRay& ray, const Nearest& hit) {
+        TracedRay kept;
+        kept.parent = ray.parent;
+        kept.kind = ray.kind;
+        kept.depth = ray.depth;
+        kept.origin = ray.origin;
+        kept.direction = ray.direction;
+        kept.weight = ray.weight;
+        kept.from = ray.from;
+        kept.inside = ray.inside;
+        kept.object = hit.object;
+        kept.t = hit.object == gpu::kNoObject ? 0 : hit.t;
+        kept_->push_back(std::move(kept));
+    }
     gpu::SphereHit sphere(size_t i, const glm::vec3& o, const glm::vec3& d, uint32_t from, bool inside) const {
         const glm::vec4& s = scene_.spheres[i];
         return gpu::hitSphere(o, d, glm::vec3(s), s.w, scene_.powers[i], gpu::startOn(uint32_t(i), from, inside), scene_.far, scene_.close);
@@ -153,6 +188,7 @@ private:
             const uint32_t i = object - firstTriangle();
             const glm::uvec4& t = scene_.triangles[2 * size_t(i)];
             const gpu::TriangleHit hit = triangle(i, gpu::frameOfRay(ray.origin, ray.direction, scene_.reach), false);
+            shares_ = {hit.w0, hit.w1, hit.w2};
             smooth_ = gpu::unitLength((normal(t.x) * hit.w0 + normal(t.y) * hit.w1) + normal(t.z) * hit.w2);
             material = t.w;
             return gpu::pointOnTriangle(position(t.x), position(t.y), position(t.z), floatsOf(scene_.triangles[2 * size_t(i) + 1]), hit);
@@ -218,17 +254,30 @@ private:
                                                         gpu::keyOfChild(ray.key, gpu::kFirstShadowKey + uint32_t(i)));
                 share = choices_.shadows ? passed(q, shadowRay, seen.hit.object, within) : 1.0f;
             }
+            if (kept_) kept_->back().lightReaches.push_back(share);
             gpu::addLight(position, glm::vec4(light.intensity * share, light.attenuation), surface, k, choices_.parts, c);
         }
         return {c.r, c.g, c.b};
     }
 
     glm::vec3 smooth_{0};  // interpolated normal of the triangle that surface() saw last
+    glm::vec3 shares_{0};  // and of its corners
     const gpu::TracePush& push_;
     const TraceScene& scene_;
     const TraceChoices& choices_;
     std::vector<uint64_t> counters_;
+    std::vector<TracedRay>* const kept_;
 };
+
+// The ray from the eye through a sample of the grid.
+TwinRay primaryRay(const gpu::TracePush& push, const TraceChoices& choices, uint32_t column, uint32_t row) {
+    TwinRay ray;
+    ray.key = gpu::keyOfSample(column, row, push.seed);
+    ray.direction =
+        gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, gpu::columnOf(choices.sampling, column, choices.side, ray.key),
+                              gpu::rowOf(choices.sampling, row, choices.side, ray.key));
+    return ray;
+}
 
 }  // namespace
 
@@ -245,13 +294,8 @@ void traceCpu(const gpu::TracePush& push, const TraceScene& scene, const TraceCh
                 column = (pixel & 0xffffu) * choices.side + column % choices.side;
                 row = (pixel >> 16) * choices.side + row;
             }
-            TwinRay ray;
-            ray.key = gpu::keyOfSample(column, row, push.seed);
-            ray.direction =
-                gpu::primaryDirection(push.rayOrigin, push.rayX, push.rayY, gpu::columnOf(choices.sampling, column, choices.side, ray.key),
-                                      gpu::rowOf(choices.sampling, row, choices.side, ray.key));
             glm::vec3 colour(0);
-            const auto seen = tracer.follow(ray, colour);
+            const auto seen = tracer.follow(primaryRay(push, choices, column, row), colour);
             if (choices.cutLevels) colour = colour * gpu::kOneLevel;
             const bool hits = seen.hit.object != gpu::kNoObject;
             output.distance[item] = hits ? gpu::ubitsOf(seen.hit.t) : 0u;
@@ -264,6 +308,15 @@ void traceCpu(const gpu::TracePush& push, const TraceScene& scene, const TraceCh
         const std::scoped_lock lock(adding);
         for (size_t i = 0; i < counters.size(); ++i) counters[i] += tracer.counters()[i];
     });
+}
+
+std::vector<TracedRay> traceTree(const gpu::TracePush& push, const TraceScene& scene, const TraceChoices& choices, uint32_t column,
+                                 uint32_t row) {
+    PLUMB_ASSERT(!choices.cutLevels);
+    std::vector<TracedRay> tree;
+    glm::vec3 colour(0);
+    Tracer(push, scene, choices, &tree).follow(primaryRay(push, choices, column, row), colour);
+    return tree;
 }
 
 }  // namespace plumb

@@ -21,6 +21,8 @@ struct Asked {
     std::optional<uint32_t> face;     // face of the object's mesh, in the order of its file
     std::optional<uint32_t> vertex;   // vertex of the object's mesh
     uint32_t object = 0;              // object of the scene, for `face` and `vertex`
+    // Point that the ray from the eye was given to pass through, world: the notes count t in its distance. None: the point of the screen.
+    std::optional<glm::dvec3> through;
 };
 
 // A picture, drawn once by each side, whose pixels are opened one after another.

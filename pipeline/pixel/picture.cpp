@@ -3,6 +3,7 @@
 
 #include "pipeline/pixel/chain_writer.h"
 #include "pipeline/render/raster/raster.h"
+#include "pipeline/render/rays/rays.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -157,10 +158,17 @@ void checkAsked(const Scene& scene, const RenderRequest& request, const Asked& a
 
 std::unique_ptr<PixelOpener> openerOf(Device* device, const std::string& whyNoDevice, const Scene& scene, const RenderRequest& request) {
     refuse(scene, request);
-    if (&techniqueOf(scene, request) != &kRaster)
+    const Technique& technique = techniqueOf(scene, request);
+    if (&technique == &kRays) {
+        if (request.rays.cutLevels)
+            throw usageError("--levels cut: colours are cut to whole levels ray by ray, which is not opened; leave it out");
+        return rayOpener(device, whyNoDevice, scene, request);
+    }
+    if (&technique != &kRaster)
         throw usageError(
-            "pixels of --fill exact can be opened, by --shading unlit, flat, gouraud or phong; not those of wire frames, of --fill "
-            "notes, or of --shading ray");
+            "pixels of --fill exact can be opened, by --shading unlit, flat, gouraud or phong, and of --shading ray; not those of wire "
+            "frames "
+            "or of --fill notes");
     return rasterOpener(device, whyNoDevice, scene, request);
 }
 

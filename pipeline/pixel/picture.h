@@ -61,6 +61,7 @@ private:
     truth::Judge judge_;
 };
 
+std::unique_ptr<PixelOpener> rayOpener(Device* device, const std::string& whyNoDevice, const Scene& scene, const RenderRequest& request);
 std::unique_ptr<PixelOpener> rasterOpener(Device* device, const std::string& whyNoDevice, const Scene& scene, const RenderRequest& request);
 
 }  // namespace plumb

@@ -88,8 +88,10 @@ template <class R>
 Vector<R> times(const Vector<R>& a, const Vector<R>& b) {
     return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
+// `reaches`: the share of each light that shadows leave; empty: all of every light.
 template <class R>
-Vector<R> illuminate(const Scene& scene, const Material& m, const Point<R>& at, const std::string& prefix, Values<R>& out) {
+Vector<R> illuminate(const Scene& scene, const Material& m, const Point<R>& at, const std::string& prefix, Values<R>& out,
+                     const std::vector<R>& reaches = {}) {
     out[prefix + "N"] = at.normal.list();
     out[prefix + "V"] = at.view.list();
     Vector<R> colour = times(colourOf<R>(m.ambient), colourOf<R>(scene.ambient)) + colourOf<R>(m.emission);
@@ -108,7 +110,8 @@ Vector<R> illuminate(const Scene& scene, const Material& m, const Point<R>& at, 
         const R nl = dot(at.normal, l), lit = isPositive(nl);
         const Vector<R> r = at.normal * (R(2) * nl) - l;
         const R rv = dot(r, at.view), power = lit * powerOf(atLeast0(rv), double(m.shininess));
-        const Vector<R> intensity = colourOf<R>(light.intensity) * fade;
+        Vector<R> intensity = colourOf<R>(light.intensity) * fade;
+        if (number < reaches.size()) intensity = intensity * reaches[number];
         const Vector<R> diffuse = times(intensity, colourOf<R>(m.diffuse)) * atLeast0(nl),
                         specular = times(intensity, colourOf<R>(m.specular)) * power;
         out[name("L")] = l.list();

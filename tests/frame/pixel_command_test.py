@@ -25,6 +25,7 @@ DRAWN = [
     "lamp-and-occluder.toml --size 96x72 --shading phong", "suzanne.toml --size 80x60 --shading gouraud", "suzanne.toml --size 80x60 --trade interpolation=affine",
     "suzanne.toml --size 80x60 --trade subpixel=4", "suzanne.toml --size 80x60 --trade normals=as-interpolated", "mug.toml --size 64x48 --shading flat",
     "suzanne.toml --size 80x60 --viewer distant",
+    "four-spheres.toml --size 96x64", "mirrors.toml --size 96x60", "lamp-and-occluder.toml --size 64x48 --shading ray", "four-spheres.toml --size 48x32 --samples 4",
 ]
 WRONG = [("suzanne.toml", size) for size in ("320x240", "400x300", "640x480")] + [("mug.toml", "320x240"), ("teapot.toml", "400x300")]
 
@@ -117,6 +118,28 @@ def sides():
         check(line["device"] is None and line["not_computed"]["device"] != "", f"{line['name']}: a device that does not draw has values")
 
 
+def trees():
+    """Rays: truth and twin of every line are near each other, the parts of a tree add up to the truth's colour, and a ray may be given."""
+    report = pixels_of("lamp-and-occluder.toml --size 64x48 --shading ray", ["32,40", "20,36", "40,30"])
+    for pixel in report["pixels"] if report else []:
+        lines = lines_of(pixel["chains"][0])
+        check(lines["ray1_distance"]["device"] == lines["ray1_distance"]["twin"], f"{pixel['pixel']}: {lines['ray1_distance']}")
+        own = lines["ray1_sum"]["truth"]
+        for got, want, bound, slack in zip(own, pixel["shown"]["truth"]["linear"], pixel["shown"]["truth"]["linear_bound"], lines["ray1_sum"]["bound"]):
+            check(abs(got - want) <= bound + slack, f"{pixel['pixel']}: the tree adds up to {got}, the truth sees {want}")
+        for line in lines.values():
+            if line["truth"] is None or line["twin"] is None or line.get("decision"):
+                continue
+            for truth, twin in zip(line["truth"], line["twin"]):
+                check(abs(truth - twin) <= (0.5 + 1e-3 if line["name"] == "bytes" else 1e-4 * max(1, abs(truth))), f"{pixel['pixel']} {line['name']}: twin {twin}, truth {truth}")
+    report = pixels_of("four-spheres.toml", ["--ray", "0,3,12,0,1,0"])
+    if report:
+        pixel, lines = report["pixels"][0], lines_of(report["pixels"][0]["chains"][0])
+        check(report["size"] == [1, 1] and report["view"] == "ray" and lines["ray1_vector"]["truth"] == [0, -2, -12], f"--ray: {report['size']}, {lines['ray1_vector']}")
+        children = [name for name in lines if name.endswith("_T")]
+        check(len(children) > 1, f"--ray: a mirror sends no ray on: {children}")
+
+
 def wrong_faces():
     explained = 0
     for name, size in WRONG:
@@ -198,7 +221,10 @@ def refusals():
             (("pixel", pyramid), 2, "nothing is asked for"), (("pixel", pyramid, "--polygon", "5", "--fill", "exact"), 2, "object 0 has 5 polygons, numbered from 0"),
             (("pixel", pyramid, "--vertex", "99", "--fill", "exact"), 2, "--vertex 99"), (("pixel", pyramid, "--polygon", "0", "--object", "cone"), 2, "the scene has no object 'cone'"),
             (("pixel", pyramid, "--polygon", "0", "--vertex", "1"), 2, "exclude each other"), (("pixel", pyramid, "1,1", "--shading", "wire"), 2, "not those of wire frames"),
-            (("pixel", pyramid, "1,1", "--fill", "notes"), 2, "not those of wire frames, of --fill notes"), (("pixel", scene_of("mirrors.toml"), "1,1"), 2, "--shading ray"),
+            (("pixel", pyramid, "1,1", "--fill", "notes"), 2, "not those of wire frames or of --fill notes"), (("pixel", scene_of("mirrors.toml"), "--polygon", "0"), 2, "rays are opened by a pixel"),
+            (("pixel", pyramid, "--ray", "0,0,0,0,0,0"), 2, "two different points"), (("pixel", pyramid, "--ray", "1,2,3"), 2, "six finite numbers"),
+            (("pixel", pyramid, "1,1", "--ray", "0,0,0,0,0,1"), 2, "leave the pixels out"), (("pixel", pyramid, "--vertex", "0", "--ray", "0,0,0,0,0,1"), 2, "--ray opens what it meets"),
+            (("pixel", scene_of("notes-spheres.toml"), "1,1", "--levels", "cut"), 2, "--levels cut"),
             (("pixel", os.path.join(FOLDER, "none.toml"), "1,1"), 3, "none.toml"), (("pixel", pyramid, "1,1", "--view", "front", "--view", "iso"), 2, "give --view once")):
         made = run(*words)
         check(made.returncode == exit_code, f"{' '.join(words[1:])}: exit {made.returncode}, not {exit_code}: {made.stderr}")
@@ -209,6 +235,7 @@ with tempfile.TemporaryDirectory() as FOLDER:
     recompute()
     a_wrong_value_is_noticed()
     sides()
+    trees()
     wrong_faces()
     mismatches()
     worked_examples()

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The worked examples of the lecture notes, read from the JSON of commands: `plumb matrix` (sections 5 to 11), `plumb info` (7.4), `plumb pixel` (11.10, 12, 14.2, 16). It knows
+"""The worked examples of the lecture notes, read from the JSON of commands: `plumb matrix` (sections 5 to 11), `plumb info` (7.4), `plumb pixel` (11.10, 12, 14.2, 16, 18), `plumb render` (18.1). It knows
 their flags and the keys of docs/outputs.md, and nothing else of the product. An entry counts as read when every check of it is; entries of other kinds have no command yet.
 
 usage: worked_examples_test.py PLUMB EXAMPLES.json [LEAST]      exit 1 when a number differs, or fewer than LEAST entries are read
@@ -24,7 +24,8 @@ faults = []
 
 
 def plumb(*words):
-    made = subprocess.run([PLUMB, *words, "--json"], capture_output=True, text=True)
+    side = ["--device", "twin"] if words[0] in ("pixel", "render") else []  # no device is asked, and opening one takes longer than the rest
+    made = subprocess.run([PLUMB, *words, *side, "--json"], capture_output=True, text=True)
     if made.returncode != 0:
         raise RuntimeError(f"plumb {' '.join(words)}: exit {made.returncode}: {made.stderr.strip()}")
     return json.loads(made.stdout)
@@ -207,6 +208,143 @@ def cross_product(e):
     return {"cross": truth(lines, "N"), "magnitude": truth(lines, "N_length"), "unit": truth(lines, "N_unit")}
 
 
+def ray(start, through, shapes, *flags):
+    """Report and lines of a ray through a scene of spheres and planes."""
+    text = ('ambient = 0\n[camera]\neye = [0, 1, 9]\nat = [0, 0, 0]\n[[material]]\nname = "m"\nambient = 0\ndiffuse = 1\n' + shapes)
+    report = plumb("pixel", scene(text), "--ray", words_of(list(start) + list(through)), *flags)
+    return report["pixels"][0], lines_of(report)
+
+
+def ray_sphere(e):
+    i = e["inputs"]
+    through = i.get("through") or [a + b for a, b in zip(i["start"], i["direction"])]
+    pixel, lines = ray(i["start"], through, f'[[sphere]]\ncentre = {i["centre"]}\nradius = {i["radius"]}\nmaterial = "m"\n')
+    found = {"direction": truth(lines, "ray1_vector"), "a_b_c": truth(lines, "sphere0_abc"), "discriminant": truth(lines, "sphere0_discriminant")}
+    if lines["sphere0_roots"]["truth"] is not None:
+        found["t_small"], found["t_large"] = found["t_near"], found["t_far"] = truth(lines, "sphere0_roots")
+        found["far_point"] = [s + found["t_far"] * d for s, d in zip(i["start"], found["direction"])]
+    if "ray1_root" in lines:
+        found["sqrt_discriminant"], found["point"] = truth(lines, "ray1_root"), truth(lines, "ray1_point")
+    if (pixel["shown"]["truth"]["object"] is not None) != any(t > 0 for t in (found.get("t_small", 0), found.get("t_large", 0))):
+        faults.append(f"{e['id']}: hit {pixel['shown']['truth']}")
+    return found
+
+
+def ray_plane(e):
+    i = e["inputs"]
+    through = i.get("through") or [a + b for a, b in zip(i["start"], i["direction"])]
+    pixel, lines = ray(i["start"], through, f'[[plane]]\npoint = {i["anchor"]}\nnormal = {i["normal"]}\nmaterial = "m"\n')
+    found = {"direction": truth(lines, "ray1_vector"), "numerator": truth(lines, "plane0_numerator"), "denominator": truth(lines, "plane0_denominator"),
+             "hit": 0 if pixel["shown"]["truth"]["object"] is None else 1}
+    if lines["plane0_t"]["truth"] is not None:
+        found["t"] = truth(lines, "plane0_t")
+    if "ray1_point" in lines:
+        found["D"], found["point"] = truth(lines, "ray1_plane_D"), truth(lines, "ray1_point")
+    return found
+
+
+def bent(e):
+    """18.2.3 and 18.2.4: a ray with the vector T onto a plane through the origin."""
+    i = e["inputs"]
+    glass = f'[[material]]\nname = "g"\nreflect = 0.3\ntransmit = {0.5 if "d1" in i else 0}\nior = {i["d2"] / i["d1"] if "d1" in i else 1}\n'
+    _, lines = ray([-c for c in i["T"]], [0, 0, 0], glass + f'[[plane]]\npoint = [0, 0, 0]\nnormal = {i["N"]}\nmaterial = "g"\n')
+    found = {"R": truth(lines, "ray1_R"), "R_unit": truth(lines, "ray1_R_unit"), "cos_phi": -truth(lines, "ray1_denominator")}
+    if "d1" not in i:
+        return found | {"magnitude": truth(lines, "ray1_R_length")}
+    found |= {"d": truth(lines, "ray1_d"), "cos_phi1": truth(lines, "ray1_cos_phi"), "radicand": truth(lines, "ray1_radicand")}
+    if found["d"] < 1:
+        found["critical_angle_deg"] = math.degrees(math.asin(found["d"]))
+    if "ray1_Trans" in lines:
+        found |= {"cos_phi2": truth(lines, "ray1_cos_phi2"), "Trans": truth(lines, "ray1_Trans"), "magnitude": truth(lines, "ray1_Trans_length")}
+    return found
+
+
+BOARD = ('[[material]]\nname = "red"\nemission = [1, 0, 0]\ndiffuse = 0\n[[material]]\nname = "white"\nemission = 1\ndiffuse = 0\n'
+         '[[plane]]\npoint = [0, 0, 0]\nnormal = [0, 1, 0]\nu = [1, 0, 0]\nmaterial = "red"\nboard = { square = 100, material = "white", mirrored = true }\n')
+
+
+def on_board(x, z):
+    pixel, lines = ray([x, 1, z], [x, 0, z], BOARD)
+    return "white" if pixel["shown"]["truth"]["linear"][1] > 0.5 else "red", lines
+
+
+def checker(e):
+    i = e["inputs"]
+    if "points" in i:
+        for at, want in zip(i["points"], e["data"]["colours"]):
+            if on_board(*at)[0] != want:
+                faults.append(f"{e['id']} at {at}: not {want}")
+        return {}
+    colour, lines = on_board(i["X"], i["Z"])
+    if colour != e["data"]["colour"]:
+        faults.append(f"{e['id']}: {colour}")
+    return dict(zip(("abs_X_mod_200", "abs_Z_mod_200"), truth(lines, "ray1_board_rest")))
+
+
+def weights(e):
+    """18.4.2: mirrors of a floor and a ceiling, met one after another."""
+    shares = e["inputs"]["reflectivity_of_surfaces"]
+    shapes = "".join(f'[[material]]\nname = "r{k}"\nreflect = {share}\n[[plane]]\npoint = [{2 * k + 1}, {2 * (k % 2)}, 0]\nnormal = [0, {1 - 2 * (k % 2)}, 0]\nu = [1, 0, 0]\nu_range = [-1, 1]\n'
+                     f'material = "r{k}"\n' for k, share in enumerate(shares))
+    _, all_rays = ray([0, 1, 0], [1, 0, 0], shapes)
+    _, few = ray([0, 1, 0], [1, 0, 0], shapes, "--min-weight", str(e["inputs"]["cutoff"]))
+    found = {f"ray{k}": truth(all_rays, f"ray{k}_weight") for k in range(1, len(shares) + 2)}
+    return found | {"rays_traced": sum(f"ray{k}_weight" in few for k in range(1, 9))}
+
+
+def shadow(e):
+    def reaches(blockers, share):
+        balls = "".join(f'[[sphere]]\ncentre = [0, {3 + 3 * k}, 0]\nradius = 1\nmaterial = "b"\n' for k in range(blockers))
+        _, lines = ray([3, 3, 0], [0, 0, 0], f'[[light]]\ntype = "point"\nposition = [0, 20, 0]\n[[material]]\nname = "b"\ntransmit = {share}\n{balls}'
+                                             '[[plane]]\npoint = [0, 0, 0]\nnormal = [0, 1, 0]\nmaterial = "m"\n')
+        return lines["ray1_reaches0"]["twin"][0]
+    t = e["inputs"]["translucency"]
+    return {"factor": reaches(1, t), "reduction_percent": 100 * (1 - reaches(1, t)), "opaque_factor": reaches(1, 0), "two_such_objects": reaches(2, t)}
+
+
+def program(*pixels):
+    """Pixels of the C program of 18.5, as it counts them."""
+    words = [f"{x - 1},{y - 1}" for x, y in pixels]
+    report = plumb("pixel", os.path.join(os.path.dirname(EXAMPLES), "..", "..", "scenes", "notes-spheres.toml"), *words, "--sampling", "notes")
+    return [(pixel, {line["name"]: line for line in pixel["chains"][0]["lines"]}) for pixel in report["pixels"]]
+
+
+def hand_check(e):
+    (pixel, lines), = program(e["inputs"]["pixel"])
+    return {"ray": truth(lines, "ray1_vector"), "t": truth(lines, "ray1_t"), "point": truth(lines, "ray1_point"), "rgb": pixel["shown"]["twin"]["code"]}
+
+
+def sample_pixels(e):
+    kinds = {None: "background", 0: "sphere1", 1: "sphere2", 2: "checkerboard"}
+    samples = e["data"]["samples"]
+    good = 0
+    for (x, y, rgb, path, t), (pixel, lines) in zip(samples, program(*[(s[0], s[1]) for s in samples])):
+        steps = path.split(">")
+        same = kinds[pixel["shown"]["truth"]["object"]] == steps[0] and (t is None or abs(truth(lines, "ray1_t") - t) <= 1e-12 * t)
+        # The program truncates to whole levels at each of its rays, so it is darker by less than a level a ray.
+        good += same and all(-0.5 <= got - want <= len(steps) for got, want in zip(pixel["shown"]["twin"]["code"], rgb))
+    return {"samples": good}
+
+
+def counted(text, *flags):
+    report = plumb("render", scene(text), "--shading", "ray", "-q", "-o", os.path.join(FOLDER.name, "x.png"), *flags)
+    return [depth["primary"] + depth["reflected"] + depth["refracted"] for depth in report["counters"]["rays"]]
+
+
+def ray_counts(e):
+    """A stack of planes that mirror, and let pass or not: each hit has one child or two, and each child meets a plane."""
+    def rays(transmit, depth):
+        planes = "".join(f'[[plane]]\npoint = [0, {y}, 0]\nnormal = [0, 1, 0]\nmaterial = "p"\n' for y in range(-9, 10))
+        return sum(counted(f'[camera]\neye = [0, 0.5, 0]\nat = [0.1, -1, 0]\n[[material]]\nname = "p"\nreflect = 0.4\ntransmit = {transmit}\n{planes}', "--size", "1x1", "--max-depth", str(depth)))
+    depths = e["inputs"]["depth"]
+    both, alone = [rays(0.4, d) for d in depths], [rays(0, d) for d in depths]
+    return {"both": both, "reflection_only": alone, "depth4_both": both[3], "depth4_reflection_only": alone[3], "depth4_calls_including_depth0": 2 * both[3] + 1}
+
+
+RAYS = {"s185_hand_checkerboard": hand_check, "s185_hand_sphere1": hand_check, "s185_sample_pixels": sample_pixels, "s181_ray_counts": ray_counts,
+        "s1842_adaptive_depth": weights, "s1843_shadow_attenuation": shadow}
+
+
 def reader_of(e):
     """Function that reads an entry's checks, and the tolerance of what it reads; None for kinds without a command."""
     i, s, name = e["inputs"], e["section"], e["id"]
@@ -247,6 +385,16 @@ def reader_of(e):
         return visibility, BINARY64
     if s == "14.2" and "vertex" in i:
         return projection, BINARY64
+    if s == "18.2.1":
+        return ray_sphere, BINARY64
+    if s == "18.2.2":
+        return ray_plane, BINARY64
+    if s in ("18.2.3", "18.2.4") and name != "s1823_reflect_ray_grazing":
+        return bent, FLOAT32 if "d1" in i else BINARY64
+    if s == "18.3":
+        return checker, FLOAT32
+    if RAYS.get(name):
+        return RAYS[name], FLOAT32
     if name == "s162_ambient_mono" or name == "s162_ambient_rgb":
         def ambient(e):
             lines = lit([0, 0, 1], [0, 0, 1], ia=i["Ia"], kd=i["Kd"])
