@@ -46,7 +46,7 @@ REPORTS = [
     "plumb plan scenes/four-spheres.toml --size 64x48 --device twin -q",
     "plumb verify scenes/pyramid.toml -q",
     "plumb pixel scenes/pyramid.toml 200,310 --fill exact -q",
-    "plumb stress scenes/suzanne.toml --size 64x48 --axis fov -q",
+    "plumb stress scenes/suzanne.toml --size 160x120 --axis fov -q",
     "plumb diff x.png x.png --gate 'max<=0.1'",
     "plumb measure scenes/suzanne.toml --size 64x48 --axis depth,specular --repetitions 3 -q",
     "plumb devices",
