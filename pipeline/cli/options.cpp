@@ -262,13 +262,13 @@ const std::vector<std::string> kFile = {"FILE"};
 const std::vector<std::string> kDeviceWords = {"auto", "twin", "lavapipe", "gpu", "software"};
 
 const std::vector<Flag> kFlags = {
-    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}', '{aov}', '{eye}', '{field}' and '{ink}' are filled in; diff writes the difference as PNG, measure and devices a report as one HTML file", "",
-     "a path that ends in .png, .exr or .npy (measure, devices: .html), or -", kFile, kRender | kVerify | kDiff | kMeasure | kDevices, [](Options& o, const std::string& v) {
+    {"-o,--output", "FILE", "write here; the extension .png, .exr or .npy chooses the format, '-' is PNG on standard output, '{n}', '{view}', '{aov}', '{eye}', '{field}' and '{ink}' are filled in; diff writes the difference as PNG, measure, devices and bench plan a report as one HTML file", "",
+     "a path that ends in .png, .exr or .npy (measure, devices, bench: .html), or -", kFile, kRender | kVerify | kDiff | kMeasure | kDevices | kBench, [](Options& o, const std::string& v) {
          if (v.empty()) throw Refused{};
          o.output = v;
      }},
-    {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff | kMeasure | kDevices, [](Options& o, const std::string&) { o.noClobber = true; }},
-    {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480; bench: 1920x1080", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw | kBench, setSize},
+    {"--no-clobber", "", "refuse to replace an existing file", "", "", kNoWords, kRender | kDiff | kMeasure | kDevices | kBench, [](Options& o, const std::string&) { o.noClobber = true; }},
+    {"--size", "WxH", "pixels of one picture", "the scene's, else 640x480; bench: 1920x1080, but plan as the scene's", "WIDTHxHEIGHT, each 1 to 65536, e.g. 640x480", kNoWords, kDraw | kBench, setSize},
     choiceFlag<&Options::shading, kShadings>("--shading", "MODE", "how faces are shaded",
         "the scene's, else ray where it has spheres or planes or a material that mirrors or refracts, else phong"),
     choiceFlag<&Options::fill, kFills>("--fill", "RULE", "which pixels a face covers", "the scene's, else exact"),
@@ -576,7 +576,7 @@ const std::vector<CommandRow> kCommands = {
        {"plumb matrix scene.toml --object mug --json", "the chain of one object for programs"}}}},
     {kBench,
      "bench",
-     "raster|passes|matrix|claims|trace [ROW...]",
+     "raster|passes|matrix|claims|trace|plan [ROW...]",
      "measure speed against other ways to the same result",
      "raster: the passes against the device's own graphics pipeline, per-pixel Phong of the same scene, interleaved, warm, both with the "
      "picture in memory of the host. "
@@ -591,10 +591,13 @@ const std::vector<CommandRow> kCommands = {
      "timed; ROW is sphereN, sphere1e4 without; exit 1 when a count disagrees. "
      "trace: rays on the device against the same algorithm in plain C++ (spheres4, spheres20: mirrors over a board, depth 5) and primary "
      "rays against Embree where the build found it "
-     "(mesh1e5, mesh1e6). Medians with the 10th and 90th percentile; times are never judged.",
+     "(mesh1e5, mesh1e6). plan: of each scene the plan that drops nothing, the lossless plan, and the cheapest choices whose largest error "
+     "is at most 1 and 4 steps of 1/255, with errors and what their times tell apart; ROW is a scene or a mesh, scenes/*.toml without; "
+     "exit "
+     "1 when the first two differ in a byte. Medians with the 10th and 90th percentile; times are never judged.",
      {{{"plumb bench raster", "the generated meshes at 1920x1080"},
        {"plumb bench raster sphere1e5 mug.obj --repeat 20 --json", "one generated and one named mesh, for programs"},
-       {"plumb bench matrix 1e6", "a million vertices, and a chain of a million matrices"}}}},
+       {"plumb bench plan scene.toml -o report.html", "what a plan saves, with a report for people"}}}},
     {kPixel,
      "pixel",
      "SCENE|MESH [X,Y...]",
@@ -703,7 +706,7 @@ void checkTogether(const Options& o) {
                                                                 extension.find('{') == std::string::npos)
         throw usageError(
             fmt::format("--output: '{}' is refused; accepted: a path that ends in .png, .exr or .npy, or -", printable(o.output)));
-    if (o.command == kMeasure && !o.output.empty() && lowerExtension(o.output) != ".html")
+    if ((o.command == kMeasure || o.command == kBench) && !o.output.empty() && lowerExtension(o.output) != ".html")
         throw usageError(fmt::format("--output: '{}' is refused; accepted: a path that ends in .html", printable(o.output)));
     if (o.command == kPixel && o.views.size() > 1) throw usageError("`plumb pixel` opens pixels of one picture: give --view once at most");
     if (o.polygon && o.vertex) throw usageError("--polygon and --vertex exclude each other");

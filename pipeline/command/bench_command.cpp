@@ -349,10 +349,11 @@ Exit benchClaimsCommand(const Options& options, Renderer& renderer, const std::v
 
 Exit benchCommand(const Options& options) {
     const std::string& what = options.inputs[0];
-    if (what != "raster" && what != "passes" && what != "matrix" && what != "claims" && what != "trace")
-        throw usageError(fmt::format("bench: '{}' is refused; accepted: raster, passes, matrix, claims, trace", printable(what)));
+    if (what != "raster" && what != "passes" && what != "matrix" && what != "claims" && what != "trace" && what != "plan")
+        throw usageError(fmt::format("bench: '{}' is refused; accepted: raster, passes, matrix, claims, trace, plan", printable(what)));
     const std::vector<std::string> rows(options.inputs.begin() + 1, options.inputs.end());
-    if (what == "matrix" && options.size) throw usageError("--size is of `plumb bench raster`, `passes`, `claims` and `trace`");
+    if (what == "matrix" && options.size) throw usageError("--size is of `plumb bench raster`, `passes`, `claims`, `trace` and `plan`");
+    if (what != "plan" && !options.output.empty()) throw usageError("--output is of `plumb bench plan`");
     Renderer renderer(deviceRequestOf(options));
     if (renderer.device() == nullptr) {
         std::string why = renderer.choice().reason;
@@ -361,6 +362,7 @@ Exit benchCommand(const Options& options) {
     }
     if (options.verbose != 0) say(options, fmt::format("device: {}", renderer.choice().reason));
     if (what == "claims") return benchClaimsCommand(options, renderer, rows);
+    if (what == "plan") return benchPlanCommand(options, renderer, rows);
     if (what == "trace") return benchTraceCommand(options, renderer, rows);
     if (what == "raster") return benchRasterCommand(options, renderer, rows);
     if (what == "passes") return benchPassesCommand(options, renderer, rows);

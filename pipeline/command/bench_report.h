@@ -38,6 +38,7 @@ inline std::function<void(double)> tellAndListen(Progress& progress) {
     };
 }
 
+Exit benchPlanCommand(const Options& options, Renderer& renderer, std::vector<std::string> rows);
 Exit benchTraceCommand(const Options& options, Renderer& renderer, std::vector<std::string> rows);
 
 }  // namespace plumb

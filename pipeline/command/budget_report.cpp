@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,11 +17,6 @@
 
 namespace plumb {
 namespace {
-
-Json figuresJson(const BudgetFigures& f) {
-    return {{"max", f.max},     {"maxAt", {f.x, f.y}},          {"p99", f.p99},       {"rms", f.rms},
-            {"wrong", f.wrong}, {"wrongPixels", f.wrongPixels}, {"pixels", f.pixels}, {"undecided", f.undecided}};
-}
 
 Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
@@ -31,9 +27,16 @@ Json workJson(const Work& work) {
     return json;
 }
 
+// Null figures: no bound below full scale.
+Json boundJson(const ProvedErrors& b) {
+    const auto stated = [&](double steps) { return b.proved && std::isfinite(steps) ? Json(steps) : Json(); };
+    return {{"max", stated(b.max)}, {"p99", stated(b.p99)}, {"rms", stated(b.rms)}, {"why", b.proved ? Json() : Json(b.why)}};
+}
+
 Json weighedJson(const Weighed& w) {
     Json json = {{"choices", w.words}, {"predicted_ms", w.costMs}, {"work", workJson(w.work)}};
     json["probe"] = w.error ? figuresJson(w.error->middle) : Json();
+    json["bound"] = w.bound ? boundJson(*w.bound) : Json();
     json["got"] = w.got ? figuresJson(*w.got) : Json();
     json["took_ms"] = orNull(w.tookMs);
     json["kept"] = w.got || w.tookMs ? Json(w.kept) : Json();
@@ -89,6 +92,11 @@ std::string keyOf(const Renderer& renderer, uint32_t threads) {
 }
 
 }  // namespace
+
+Json figuresJson(const BudgetFigures& f) {
+    return {{"max", f.max},     {"maxAt", {f.x, f.y}},          {"p99", f.p99},       {"rms", f.rms},
+            {"wrong", f.wrong}, {"wrongPixels", f.wrongPixels}, {"pixels", f.pixels}, {"undecided", f.undecided}};
+}
 
 PlannerRequest plannerRequestOf(const Options& options, const RenderRequest& base) {
     PlannerRequest request;
@@ -201,14 +209,18 @@ Json budgetJson(const PlannerRequest& request, const PlannedPicture& plan, const
 }
 
 std::string choicesText(const PlannerRequest& request, const PlannedPicture& plan, bool all) {
-    std::string text = fmt::format("  {:>12}  {:>8}  {:>8}  {:>8}  {:>9}  choices\n", "predicted ms", "max", "p99", "rms", "wrong");
+    std::string text = fmt::format("  {:>12}  {:>8}  {:>8}  {:>8}  {:>9}  {:>17}  choices\n", "predicted ms", "max", "p99", "rms", "wrong",
+                                   "proved max, rms");
     const auto add = [&](const Weighed& w, bool chosen) {
         const auto figure = [&](double f, bool share) {
             return w.error ? (share ? fmt::format("{:.3f} %", 100 * f) : fmt::format("{:.3f}", f)) : "-";
         };
         const BudgetFigures f = w.error ? w.error->middle : BudgetFigures{};
-        text += fmt::format("{} {:>12.4g}  {:>8}  {:>8}  {:>8}  {:>9}  {}\n", chosen ? '*' : ' ', w.costMs, figure(f.max, false),
-                            figure(f.p99, false), figure(f.rms, false), figure(f.wrong, true), w.words);
+        const auto proved = [](double steps) { return std::isfinite(steps) ? fmt::format("{:.3f}", steps) : std::string("-"); };
+        const std::string bound =
+            w.bound && w.bound->proved ? fmt::format("{:>8} {:>8}", proved(w.bound->max), proved(w.bound->rms)) : std::string("-");
+        text += fmt::format("{} {:>12.4g}  {:>8}  {:>8}  {:>8}  {:>9}  {:>17}  {}\n", chosen ? '*' : ' ', w.costMs, figure(f.max, false),
+                            figure(f.p99, false), figure(f.rms, false), figure(f.wrong, true), bound, w.words);
     };
     for (size_t i = 0; i < plan.weighed.size(); ++i)
         if (all || i == plan.index) add(plan.weighed[i], i == plan.index);

@@ -30,6 +30,8 @@ std::string timeLine(const PlannerRequest& request, const PlannedPicture& plan, 
 // Keys of docs/outputs.md, "budget". `picture` null: nothing was drawn. `tookMs` below 0: nothing was drawn.
 Json budgetJson(const PlannerRequest& request, const PlannedPicture& plan, const CheckedPicture* picture, double tookMs);
 
+Json figuresJson(const BudgetFigures& figures);
+
 // Table of the choices for people: the chosen one, and with `all` every other.
 std::string choicesText(const PlannerRequest& request, const PlannedPicture& plan, bool all);
 

@@ -16,10 +16,8 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdint>
-#include <cstdlib>
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
@@ -32,12 +30,6 @@ namespace {
 
 // Share of the limit that writing a report may take.
 constexpr double kReportShare = 0.03;
-
-LoadAverages loadAverages() {
-    LoadAverages load{};
-    if (::getloadavg(load.data(), 3) != 3) load = {-1, -1, -1};
-    return load;
-}
 
 std::vector<const Axis*> axesOf(const Options& options) {
     std::vector<const Axis*> chosen;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <ctime>
 #include <optional>
 #include <thread>
@@ -109,10 +110,6 @@ std::string quoted(const std::string& text) {
 // One cell, empty where there is no figure.
 std::string cell(bool known, double value) { return known ? fmt::format("{}", value) : std::string(); }
 
-std::string intervalText(const RatioInterval& ratio) {
-    return ratio.bounded() ? fmt::format("{:.3f} .. {:.3f}", ratio.low, ratio.high) : std::string("too few rounds");
-}
-
 // What the report compares is what eyes see: bytes of a picture that is stored in linear light become sRGB codes.
 std::vector<uint32_t> displayed(const std::vector<uint32_t>& rgba, Encoding encoding) {
     if (encoding == Encoding::srgb) return rgba;
@@ -126,6 +123,16 @@ std::vector<uint32_t> displayed(const std::vector<uint32_t>& rgba, Encoding enco
 }
 
 }  // namespace
+
+LoadAverages loadAverages() {
+    LoadAverages load{};
+    if (::getloadavg(load.data(), 3) != 3) load = {-1, -1, -1};
+    return load;
+}
+
+std::string intervalText(const RatioInterval& ratio) {
+    return ratio.bounded() ? fmt::format("{:.3f} .. {:.3f}", ratio.low, ratio.high) : std::string("too few rounds");
+}
 
 std::vector<std::string> notesOf(const Measurement& m, const MeasurePlan& plan, const LoadAverages& loadBefore,
                                  const LoadAverages& loadAfter) {

@@ -8,6 +8,7 @@
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
 #include "pipeline/command/viewed_scene.h"
+#include "pipeline/command/warnings.h"
 #include "pipeline/render/technique.h"
 
 #include <fmt/core.h>
@@ -18,10 +19,11 @@ namespace plumb {
 Exit planCommand(const Options& options) {
     Progress progress(options.progress, options.quiet);
     ViewedScene viewed = loadOneView(options, progress, "plan");
-    Scene& scene = viewed.scene;
+    const Scene& scene = viewed.scene;
+    tellScene(options, scene);
     const RenderRequest base = requestOf(options, scene, viewed.size);
     refuse(scene, base);
-    warnOfMovedVertices(options, scene, base);
+    tellLeftToRays(options, scene, base);
     PlannerRequest request = plannerRequestOf(options, base);
     progress.begin("plan", 0, 1, Progress::kMoment);
     request.onProgress = [&progress](double share) {
@@ -35,6 +37,12 @@ Exit planCommand(const Options& options) {
     progress.update(1);
     progress.clear();
     const Plan steps = planRender(scene, planned.chosen.request, renderer.device() == nullptr ? RunsOn::twin : RunsOn::device);
+    Json sceneReport = sceneJson(scene, viewed.sources);
+    MovedVertices moved(options);
+    moved.tell(scene, planned.chosen.request, sceneReport);
+    moved.tell(steps);
+    Json accuracy = accuracyJson(steps);
+    moved.addTo(accuracy);
     std::string text = choicesText(request, planned, options.explain);
     Json forecast;
     if (base.shading == Shading::ray) {
@@ -48,9 +56,10 @@ Exit planCommand(const Options& options) {
     text += explained(steps);
     if (!options.json || !options.jsonFile.empty()) printData(text);
     writeJson(options, {{{"tool", toolJson()},
-                         {"scene", sceneJson(scene, viewed.sources)},
+                         {"scene", sceneReport},
                          {"camera", cameraJson(*scene.camera)},
                          {"plan", planJson(steps)},
+                         {"accuracy", accuracy},
                          {"forecast", forecast},
                          {"budget", budgetJson(request, planned, nullptr, -1)}}});
     return Exit::done;

@@ -14,9 +14,9 @@
 #include "pipeline/command/stereo.h"
 #include "pipeline/command/viewed_scene.h"
 #include "pipeline/command/views.h"
+#include "pipeline/command/warnings.h"
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
-#include "pipeline/render/bounds/vertex_error.h"
 #include "pipeline/render/technique.h"
 #include "pipeline/scene/text.h"
 
@@ -29,7 +29,6 @@
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -111,8 +110,7 @@ void refuseOutput(const Options& options) {
 Loaded load(const Options& options, Progress& progress, Clock::time_point start) {
     Loaded loaded{loadViews(options, progress)};
     loaded.ms = millisecondsSince(start);
-    for (const std::string& ignored : loaded.scene.ignored) say(options, fmt::format("plumb: not drawn: {}", ignored));
-    for (const std::string& warning : loaded.scene.warnings) say(options, fmt::format("plumb: warning: {}", warning));
+    tellScene(options, loaded.scene);
     return loaded;
 }
 
@@ -122,12 +120,7 @@ RenderRequest choose(const Options& options, Loaded& loaded) {
     RenderRequest request = requestOf(options, scene, loaded.size);
     loaded.lookFrom(0);
     refuse(scene, request);
-    if (const std::string asked = leftToRays(scene, request); !asked.empty()) {
-        if (options.strict)
-            throw inputError(printable(scene.path),
-                             fmt::format("{}; only --shading ray draws that, and --strict refuses to leave it out", asked));
-        say(options, fmt::format("plumb: not drawn: reflection and refraction: {}; only --shading ray traces them", asked));
-    }
+    tellLeftToRays(options, scene, request);
     if (options.stereo != StereoForm::none && techniqueOf(scene, request).parallel)
         throw usageError("--stereo: --fill notes draws spheres in parallel projection, which shows both eyes the same");
     return request;
@@ -144,37 +137,6 @@ void askForTruth(const Options& options, const Scene& scene, RenderRequest& requ
         throw usageError(fmt::format("{}: a wire frame has no truth: its lines are a drawing, not the picture of a surface", flag));
     request.planes |= kPlaneLinear | kPlaneDepth | kPlaneObject | kPlanePrimitive;
 }
-
-// Warnings of moved vertices: in the JSON of each view, on standard error once an object.
-class MovedVertices {
-public:
-    explicit MovedVertices(const Options& options) : options_(options) {}
-    void tell(const Scene& scene, const RenderRequest& request, Json& sceneReport) {
-        accuracy_ = Json::array();
-        for (const VertexError& error : vertexErrors(scene, request)) {
-            const std::string sentence = sentenceOf(scene, error);
-            sceneReport["warnings"].push_back(sentence);
-            accuracy_.push_back(sentence);
-            if (told_.insert(error.object).second) say(options_, fmt::format("plumb: warning: {}", sentence));
-        }
-    }
-
-    // Adds what was told last to the warnings of a report's "accuracy".
-    void addTo(Json& accuracy) const {
-        for (const Json& sentence : accuracy_) accuracy["warnings"].push_back(sentence);
-    }
-    // Warnings of a plan, each once.
-    void tell(const Plan& plan) {
-        for (const std::string& sentence : plan.warnings)
-            if (planned_.insert(sentence).second) say(options_, fmt::format("plumb: warning: {}", sentence));
-    }
-
-private:
-    const Options& options_;
-    std::set<uint32_t> told_;
-    std::set<std::string> planned_;
-    Json accuracy_ = Json::array();
-};
 
 void explainOnly(const Options& options, const Loaded& loaded, const RenderRequest& request) {
     Json sceneReport = sceneJson(loaded.scene, loaded.sources);

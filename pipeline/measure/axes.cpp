@@ -65,6 +65,7 @@ void cutBelow(Setting& s) {
 void keep(Setting&) {}
 
 void drawAgain(Setting& s) { s.again = true; }
+void dropNothing(Setting& s) { s.request.knobs.keepEverything = true; }
 
 template <uint32_t value>
 void drawSegments(Setting& s) {
@@ -85,6 +86,11 @@ const std::vector<Axis> kAxes = {
     {"control",
      "how far apart two measurements of one work come out",
      {{"default again", Verdict::bits, drawAgain, "the default picture once more: nothing but noise"}},
+     Scope::both},
+    {"plan",
+     "what a picture leaves out that it does not need; no byte changes",
+     {{"lossless", Verdict::bits, keep, "as the scene asks for it"},
+      {"full", Verdict::bits, dropNothing, "nothing is left out: every step, object, light and ray"}},
      Scope::both},
     {"shading", "how a surface is lit", choicesOf(kShadings, [](RenderRequest& r, Shading value) { r.shading = value; }), Scope::both},
     {"tessellation",
@@ -157,7 +163,7 @@ std::string wordsOf(const Setting& s) {
     const RenderRequest& r = s.request;
     const std::string machine = (s.twin ? fmt::format("renderer=twin threads={}", r.threads) : "renderer=device") +
                                 (s.again ? " again" : "") + (s.segments != 0 ? fmt::format(" tessellation={}", s.segments) : "") +
-                                (s.detail != 0 ? fmt::format(" detail={:g}", s.detail) : "");
+                                (s.detail != 0 ? fmt::format(" detail={:g}", s.detail) : "") + (r.knobs.keepEverything ? " plan=full" : "");
     if (isTraced(r))
         return fmt::format("shading={} encoding={} samples={} trace-depth={} trace-cutoff={} ray-sampling={} {}", nameOf(r.shading),
                            nameOf(r.encoding), r.samples, r.maxDepth, r.minWeight, nameOf(r.rays.sampling), machine);
@@ -169,7 +175,9 @@ std::span<const Axis> axes() { return kAxes; }
 
 size_t askedRank(const Axis& axis) {
     const auto asked = std::find(std::begin(kAsked), std::end(kAsked), std::string_view(axis.name));
-    return size_t(asked - std::begin(kAsked)) + (asked == std::end(kAsked) ? size_t(&axis - kAxes.data()) : 0);
+    if (asked != std::end(kAsked)) return size_t(asked - std::begin(kAsked));
+    const auto own = std::find_if(kAxes.begin(), kAxes.end(), [&](const Axis& one) { return &one == &axis; });
+    return std::size(kAsked) + size_t(own - kAxes.begin());
 }
 
 const Axis& controlAxis() { return kAxes.front(); }

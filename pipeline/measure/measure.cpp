@@ -66,7 +66,8 @@ private:
     bool active(size_t i) const { return !out_.runs[i].cut; }
 
     // Rounds below which no interval would be bounded.
-    uint32_t leastRounds(size_t runs) const { return std::min(plan_.repetitions, roundsToTell(missOf(runs - 1))); }
+    uint32_t leastRounds(size_t runs) const { return std::min(plan_.repetitions, roundsToTell(missOf(plan_.tables * (runs - 1)))); }
+    uint32_t truthSamples() const { return plan_.truthSamples != 0 ? plan_.truthSamples : mostSamples(plan_.base); }
     size_t activeRuns() const {
         return size_t(std::count_if(out_.runs.begin(), out_.runs.end(), [](const MeasuredRun& run) { return !run.cut; }));
     }
@@ -177,8 +178,9 @@ private:
             }
             tell(0.3 * double(++done) / double(out_.runs.size()));
         }
-        const uint32_t most = mostSamples(plan_.base);
+        const uint32_t most = truthSamples();
         const RenderRequest& base = plan_.base.request;
+        if (!hasTruth(base)) return;
         if (const Truth* truth = truths_.at(most, base.fill, base.samples, Sampling::grid, 0)) out_.truth = *truth;
     }
 
@@ -231,7 +233,7 @@ private:
         };
         // The one truth has the most samples that any choice of any axis takes, whatever axes are measured. Its samples lie in a grid.
         const Truth* own = truths_.at(request.samples, request.fill, request.samples, samplingOf(request), until);
-        const Truth* most = truths_.at(mostSamples(plan_.base), request.fill, request.samples, Sampling::grid, until);
+        const Truth* most = truths_.at(truthSamples(), request.fill, request.samples, Sampling::grid, until);
         if (i == 0) truthsOfDefaultMs_ = elapsedMs() - begun;
         if (most != nullptr) {
             run.error = errorAgainst(*most);
@@ -380,7 +382,7 @@ private:
 
     // The interval of each run's ratio to the default in the same round, and its word.
     void tellApart() {
-        out_.comparisons = activeRuns() - 1;
+        out_.comparisons = plan_.tables * (activeRuns() - 1);
         out_.miss = missOf(out_.comparisons);
         for (size_t i = 0; i < out_.runs.size(); ++i) {
             MeasuredRun& run = out_.runs[i];

@@ -28,6 +28,8 @@ struct MeasurePlan {
     double beforeMs = 0;        // part of the limit spent before the measurement began
     double afterMs = 0;         // part of the limit kept for later work
     uint64_t seed = 0;          // seed of the order of rounds
+    uint32_t truthSamples = 0;  // samples a pixel of the one truth; 0: the most that any choice of any axis takes
+    size_t tables = 1;          // measurements that are read as one table: no row of any of them is told apart wrongly
     bool keepPictures = false;  // frames and errors by pixel, for the report
     std::function<RenderResult(const Scene&, const Setting&)> draw;
     std::function<void(double)> onProgress;  // 0..1; may throw
@@ -82,9 +84,9 @@ struct Measurement {
     std::vector<Row> rows;          // the default again, then in the order of the axes; those that were cut are in `cut` instead
     std::vector<Row> cut;
     std::vector<size_t> front;   // rows, by rising time; a run that several rows share stands once. Empty below kLeastForMedian rounds
-    std::optional<Truth> truth;  // truth of mostSamples() with the default picture's fill; none: the limit left no time for it
+    std::optional<Truth> truth;  // the one truth, with the default picture's fill; none: the limit left no time for it, or a wire frame
     uint32_t repetitions = 0;    // rounds, each with every row that was not cut
-    size_t comparisons = 0;      // runs that were timed beside the default
+    size_t comparisons = 0;      // runs that were timed beside the default, times MeasurePlan::tables
     double miss = 0;             // chance that one row's interval misses the true ratio; missOf()
     bool limitKept = true;       // false: the default picture alone took longer
     double totalMs = 0;

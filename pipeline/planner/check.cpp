@@ -90,17 +90,18 @@ Checker::Checker(const Scene& scene, const RenderRequest& request, const CheckPl
     truth_ = truthOf(scene, request_, 0, wanted_);
 }
 
+std::vector<uint8_t> Checker::decidedIn(const Frame& frame) const {
+    if (!truth_.traced) return decided_;
+    // Rays snap nothing: the face that the picture shows tells which pixels float32 decides.
+    std::vector<uint8_t> sameFace(frame.object.size());
+    for (size_t at = 0; at < sameFace.size(); ++at)
+        sameFace[at] = frame.object[at] == truth_.object[at] && frame.primitive[at] == truth_.primitive[at];
+    return sameFace;
+}
+
 FrameError Checker::errorOfFrame(const Frame& frame) const {
-    PixelChoice pixels{wanted_, decided_};
-    std::vector<uint8_t> sameFace;
-    if (truth_.traced) {
-        // Rays snap nothing: the face that the picture shows tells which pixels float32 decides.
-        sameFace.resize(frame.object.size());
-        for (size_t at = 0; at < sameFace.size(); ++at)
-            sameFace[at] = frame.object[at] == truth_.object[at] && frame.primitive[at] == truth_.primitive[at];
-        pixels.decided = sameFace;
-    }
-    return errorOf(frame, truth_, request_.encoding, request_.transparent, pixels);
+    const std::vector<uint8_t> decided = decidedIn(frame);
+    return errorOf(frame, truth_, request_.encoding, request_.transparent, {wanted_, decided});
 }
 
 BudgetFigures Checker::of(const Frame& frame) const { return figuresOf(errorOfFrame(frame)); }

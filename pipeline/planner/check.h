@@ -40,6 +40,8 @@ public:
     // Figures of a frame with kPlaneLinear, kPlaneDepth, kPlaneObject and kPlanePrimitive.
     BudgetFigures of(const Frame& frame) const;
     FrameError errorOfFrame(const Frame& frame) const;
+    // Pixels that the largest error is taken over, one value a pixel; empty: all of them.
+    std::vector<uint8_t> decidedIn(const Frame& frame) const;
     bool everyPixel() const { return wanted_.empty(); }
     uint64_t checkedPixels() const { return checked_; }
     double ms() const { return truth_.timeMs; }

@@ -76,6 +76,11 @@ public:
         e.middle.wrong = e.low.wrong = wrong_.value_or(0);
         return e;
     }
+    // Takes the proved bounds of all choices that were probed.
+    void prove(uint32_t truthSamples) {
+        for (size_t i = 0; i < size(); ++i)
+            if (weighed_[i].error) weighed_[i].bound = probe_.provedOf(candidates_[i], truthSamples);
+    }
     // True when the probe is the picture.
     bool exact() const { return probe_.shrink() == 1; }
     // True when a picture of the same kind was drawn.
@@ -263,8 +268,8 @@ private:
     bool attempt(size_t i) {
         RenderRequest full = planning_.candidate(i).request;
         full.planes |= kCheckedPlanes;
-        const RenderResult result = drawn(full);
-        if (!checker_) makeChecker(result.totalMs);
+        RenderResult result = drawn(full);
+        if (checker_ == nullptr) takeChecker(result.totalMs);
         Weighed& w = planning_.weighed()[i];
         w.got = checker_->of(result.frame);
         BudgetFigures sure = *w.got;
@@ -273,8 +278,16 @@ private:
         w.kept = keeps(sure, request_.error);
         planning_.learn(i, sure.wrong);
         out_.tried.push_back(w);
-        if (w.kept) checkedBytes_ = result.frame.rgba;
+        if (w.kept) checked_ = std::move(result);
         return w.kept;
+    }
+
+    void takeChecker(double pictureMs) {
+        checker_ = request_.checker;
+        if (checker_ == nullptr) makeChecker(pictureMs);
+        out_.truthMs = checker_->ms();
+        out_.certified = checker_->everyPixel();
+        out_.checkedPixels = checker_->checkedPixels();
     }
 
     void makeChecker(double pictureMs) {
@@ -282,19 +295,25 @@ private:
         const double allowed = request_.checkMs.value_or(request_.checkShare * pictureMs), whole = planning_.probe().truthMs();
         CheckPlan plan;
         if (whole > allowed) plan.sampled = std::max(kLeastSample, uint64_t(double(pixels) * allowed / whole));
-        checker_.emplace(scene_, request_.base, plan, request_.onProgress);
-        out_.truthMs = checker_->ms();
-        out_.certified = checker_->everyPixel();
-        out_.checkedPixels = checker_->checkedPixels();
+        ownChecker_.emplace(scene_, request_.base, plan, request_.onProgress);
+        checker_ = &*ownChecker_;
     }
 
-    // The chosen picture as it was asked for, without the planes of the check.
+    // The chosen picture with the planes that were asked for. Those of the check cost time, so that a picture with a time budget is drawn as asked.
     CheckedPicture finish(size_t i) {
+        const RenderRequest& asked = planning_.candidate(i).request;
         out_.plan = planning_.chosen(i);
         out_.got = *planning_.weighed()[i].got;
-        out_.result = drawn(planning_.candidate(i).request);
-        if (out_.result.frame.rgba != checkedBytes_)
-            throw renderError(fmt::format("'{}' draws other bytes with planes than without", planning_.candidate(i).words));
+        if (request_.timeMs && (kCheckedPlanes & ~asked.planes) != 0) {
+            out_.result = drawn(asked);
+            if (out_.result.frame.rgba != checked_.frame.rgba)
+                throw renderError(fmt::format("'{}' draws other bytes with planes than without", planning_.candidate(i).words));
+            return std::move(out_);
+        }
+        out_.result = std::move(checked_);
+        forEachPlane([&](const auto& row, auto plane) {
+            if (row.plane != kPlaneColour && (row.plane & asked.planes) == 0) (out_.result.frame.*plane).clear();
+        });
         return std::move(out_);
     }
 
@@ -311,8 +330,9 @@ private:
     const PlannerRequest& request_;
     const DrawPicture& draw_;
     Planning planning_;
-    std::optional<Checker> checker_;
-    std::vector<uint32_t> checkedBytes_;
+    const Checker* checker_ = nullptr;  // null: no picture was checked yet
+    std::optional<Checker> ownChecker_;
+    RenderResult checked_;  // the picture that keeps the budget, with the planes of the check
     CheckedPicture out_;
 };
 
@@ -323,7 +343,9 @@ PlannedPicture planPicture(const Scene& scene, const PlannerRequest& request) {
     refuseBelowRounding(request.error, request.base.encoding);
     if (!error && !request.timeMs) return predictPicture(scene, request);
     Planning planning(scene, request, !error);
-    return planning.chosen(error ? cheapestWithin(planning, request) : mostAccurateWithin(planning, request));
+    const size_t chosen = error ? cheapestWithin(planning, request) : mostAccurateWithin(planning, request);
+    planning.prove(error ? 0 : kMostSamples);
+    return planning.chosen(chosen);
 }
 
 CheckedPicture drawWithinTime(const Scene& scene, const PlannerRequest& request, const DrawPicture& draw) {

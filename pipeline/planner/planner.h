@@ -26,6 +26,7 @@ struct PlannerRequest {
     double twinRay = 0;             // processor nanoseconds of the twin for a ray of the calibration; 0: rays cost the same in every scene
     double checkShare = 10;         // the truth may cost so many times the picture before a sample of its pixels is checked
     std::optional<double> checkMs;  // overrides checkShare
+    const Checker* checker = nullptr;  // truth of `base`, for several budgets of one picture; null: it is made where it is needed
     uint64_t probePixels = 160 * 120;
     double probedRays = 4e6;    // followed by all probes of a traced picture
     double estimateFactor = 1;  // by which estimates of errors are multiplied; 1 but for tests
@@ -37,11 +38,12 @@ struct PlannerRequest {
 struct Weighed {
     std::string words;
     Work work;
-    double costMs = 0;                 // predicted
-    std::optional<Estimate> error;     // by the probe
-    std::optional<BudgetFigures> got;  // of the finished picture; none: it was not drawn
-    std::optional<double> tookMs;      // with a time budget; none: it was not drawn
-    bool kept = false;                 // true: what was drawn keeps the budget
+    double costMs = 0;                  // predicted
+    std::optional<Estimate> error;      // by the probe
+    std::optional<ProvedErrors> bound;  // of a choice that was probed, where no picture was drawn
+    std::optional<BudgetFigures> got;   // of the finished picture; none: it was not drawn
+    std::optional<double> tookMs;       // with a time budget; none: it was not drawn
+    bool kept = false;                  // true: what was drawn keeps the budget
 };
 
 struct PlannedPicture {
@@ -56,7 +58,7 @@ struct PlannedPicture {
 
 struct CheckedPicture {
     PlannedPicture plan;
-    RenderResult result;  // of `plan.chosen`, without the planes of the check
+    RenderResult result;  // of `plan.chosen`, with the planes that were asked for
     BudgetFigures got;
     bool certified = false;  // every pixel was checked
     uint64_t checkedPixels = 0;
@@ -72,7 +74,8 @@ using DrawPicture = std::function<RenderResult(const Scene&, const RenderRequest
 PlannedPicture planPicture(const Scene& scene, const PlannerRequest& request);
 
 // Chooses, draws, and checks the picture against the truth; one that does not keep the budget is drawn again by the next choice. Needs an error
-// budget. Throws Error(budget) where no choice keeps it, after all that could have were drawn.
+// budget. The checked picture is the result, and its time is that of a picture with the planes of the check; with a time budget, the picture is
+// drawn once more as it was asked for. Throws Error(budget) where no choice keeps it, after all that could have were drawn.
 CheckedPicture drawWithinError(const Scene& scene, const PlannerRequest& request, const DrawPicture& draw);
 
 // Chooses, and draws the most accurate picture within the time. One that took longer is drawn once more, since the first may have made

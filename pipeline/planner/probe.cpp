@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/planner/probe.h"
 
+#include "pipeline/measure/error_bound.h"
 #include "pipeline/render/camera.h"
 #include "pipeline/render/render.h"
 
@@ -34,7 +35,7 @@ uint32_t sideOfProbe(uint32_t side, uint32_t shrink) {
 }  // namespace
 
 Probe::Probe(const Scene& scene, const RenderRequest& base, uint64_t pixels, double factor, std::function<bool()> progress)
-    : scene_(scene), width_(base.width), height_(base.height), factor_(factor), progress_(std::move(progress)) {
+    : scene_(scene), base_(base), width_(base.width), height_(base.height), factor_(factor), progress_(std::move(progress)) {
     while (uint64_t(width_) * height_ > pixels && width_ > 1 && height_ > 1) {
         shrink_ += 2;
         width_ = sideOfProbe(base.width, shrink_);
@@ -103,6 +104,47 @@ Estimate Probe::estimateOf(const FrameError& error) const {
     e.high.wrong = centre + half;
     e.high.max = 255 * factor_;  // of pixels between those of the probe nothing is known
     return e;
+}
+
+const Probe::Untraded& Probe::untraded(const RenderRequest& request) {
+    const auto [found, isNew] = untraded_.try_emplace({request.shading, request.samples});
+    if (!isNew) return found->second;
+    RenderRequest plain = request;
+    plain.planes |= kCheckedPlanes;
+    found->second.frame = renderCpu(scene(), plain).frame;
+    if (request.shading == Shading::ray) found->second.rays = std::make_unique<const BoundOfRays>(scene(), plain);
+    return found->second;
+}
+
+ProvedErrors Probe::provedOf(const Candidate& candidate, uint32_t truthSamples) {
+    const RenderRequest request = smaller(candidate.request);
+    const bool traced = request.shading == Shading::ray;
+    RenderRequest plain = request, truth = candidate.request;
+    plain.trade = {};
+    if (traced) plain.maxDepth = base_.maxDepth, plain.minWeight = base_.minWeight;
+    if (truthSamples != 0) truth.samples = truthSamples;
+    const auto none = [](std::string why) { return ProvedErrors{false, 0, 0, 0, std::move(why)}; };
+    if (request.encoding != Encoding::srgb) return none("bounds are those against an sRGB picture");
+    if (traced ? request.maxDepth == plain.maxDepth && request.minWeight == plain.minWeight : request.trade == plain.trade)
+        return none("nothing is traded: a shading, a depth and a cutoff that are asked for have no bound by themselves");
+    ColourBound move;
+    if (!traced) move = boundOfTrade(scene(), request, request.samples == 1 ? &untraded(plain).frame : nullptr);
+    if (!move.proved) return none(move.why);
+    ColourMoves moves(move.linear, move.darker);
+    if (!move.brighterAt.empty()) moves = {std::move(move.brighterAt), std::move(move.darkerAt)};
+    if (traced) {
+        BoundOfRays::Moves rays = untraded(plain).rays->of(request);
+        if (!rays.proved) return none(rays.why);
+        moves = {std::move(rays.brighter), std::move(rays.darker)};
+    }
+    const Frame& base = untraded(plain).frame;
+    const Checker& checker = checkerOf(truth);
+    const ErrorBound bound = errorBoundOf(base, checker.truth(), request.transparent, moves, move.steps);
+    ProvedErrors proved{true, 0, bound.p99, bound.rms, {}};
+    const std::vector<uint8_t> decided = checker.decidedIn(base);
+    for (size_t at = 0; at < bound.perPixel.size(); ++at)
+        if (decided.empty() || decided[at] != 0) proved.max = std::max(proved.max, bound.perPixel[at]);
+    return proved;
 }
 
 Counted Probe::counted(const Candidate& candidate) const {

@@ -5,6 +5,7 @@
 #include "pipeline/planner/candidates.h"
 #include "pipeline/planner/check.h"
 #include "pipeline/planner/work.h"
+#include "pipeline/render/bounds/bound.h"
 
 #include <cstdint>
 #include <functional>
@@ -12,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace plumb {
@@ -19,6 +21,13 @@ namespace plumb {
 // A figure with what it may be in the whole picture, from its pixels in the probe.
 struct Estimate {
     BudgetFigures low, middle, high;
+};
+
+// What the errors of a choice are proved not to exceed at the pixels of the probe, in steps; +infinity: no bound below full scale.
+struct ProvedErrors {
+    bool proved = false;
+    double max = 0, p99 = 0, rms = 0;  // max: over the pixels that BudgetFigures::max is taken over
+    std::string why;                   // not proved: one sentence
 };
 
 struct Probed {
@@ -39,6 +48,8 @@ public:
     RenderRequest smaller(const RenderRequest& request) const;
     // Drawn once for each candidate. With `error`, held against the truth of `truthSamples` a pixel (0: the candidate's own).
     const Probed& of(const Candidate& candidate, bool error, uint32_t truthSamples = 0);
+    // Proved errors of a choice of the trade, from the picture of its shading that trades nothing; of depth and cutoff, from the base picture.
+    ProvedErrors provedOf(const Candidate& candidate, uint32_t truthSamples = 0);
     // Counts of one picture of the probe's size.
     Counted counted(const Candidate& candidate) const;
     // Milliseconds that the truth of the whole picture takes, from that of the probe; 0 before any was made.
@@ -50,14 +61,21 @@ public:
 private:
     const Checker& checkerOf(const RenderRequest& request);
     Estimate estimateOf(const FrameError& error) const;
+    struct Untraded {
+        Frame frame;                              // with kCheckedPlanes
+        std::unique_ptr<const BoundOfRays> rays;  // of a traced picture
+    };
+    const Untraded& untraded(const RenderRequest& request);
 
     Scene small_;
     const Scene& scene_;
+    const RenderRequest base_;
     uint32_t shrink_ = 1, width_, height_;
     double factor_;
     std::function<bool()> progress_;
     std::map<uint32_t, std::unique_ptr<Checker>> checkers_;  // by samples
     std::map<std::string, Probed> known_;
+    std::map<std::pair<Shading, uint32_t>, Untraded> untraded_;  // by shading and samples
     double truthMs_ = 0, rayMs_ = 0, rays_ = 0;
 };
 

@@ -119,6 +119,45 @@ class Budgets(unittest.TestCase):
         self.run_plumb(0, "plan", "suzanne.toml", says="measured in")
         self.assertEqual([name for name in os.listdir(self.cache) if name.startswith("costs-")], files)
 
+    def test_a_plan_states_what_is_proved(self):
+        """Errors of the probe's pixels are never beyond what is proved of them; a choice without a proof says why."""
+        for scene, error, arguments, words in (("suzanne.toml", "0.6:rms", ("--shading", "phong"), ("specular=schlick", "normals=as-interpolated")),
+                                               ("mirrors.toml", "1:rms", (), ("max-depth=2", "max-depth=3"))):
+            done = self.run_plumb(0, "plan", scene, "--error", error, "--explain", *arguments, says="proved max, rms")
+            self.assertNotIn("Traceback", done.stderr.decode())
+            weighed = [one for one in self.report(0, "plan", scene, "--error", error, *arguments)["budget"]["weighed"] if one["probe"] is not None]
+            for one in weighed:
+                self.assertTrue(one["bound"]["why"] is not None or one["bound"]["rms"] is not None, one)
+                for figure in ("max", "p99", "rms"):
+                    if one["bound"][figure] is not None:
+                        self.assertLessEqual(one["probe"][figure], one["bound"][figure] + 1e-4, one)
+            proved = [one["choices"] for one in weighed if one["bound"]["rms"] is not None]
+            self.assertTrue(any(word in choices for word in words for choices in proved), proved)
+            self.assertTrue(any(one["bound"]["why"] for one in weighed))
+
+    def test_a_plan_says_what_render_says_of_the_scene(self):
+        corners = "".join(f"v {100000000 + x} {y} 0\n" for x, y in ((0, 0), (100, 0), (0, 100)))
+        with open(os.path.join(self.folder, "far.obj"), "w", encoding="utf-8") as file:
+            file.write(f"{corners}v -1e8 0 0\nv -1e8 1 0\nv -99999999 0 0\nf 1 2 3\nf 4 5 6\nl 1 2\n")
+        with open(os.path.join(self.folder, "mirror.toml"), "w", encoding="utf-8") as file:
+            file.write("shading = 'phong'\n[camera]\neye = [100000030, 30, 200]\nat = [100000030, 30, 0]\n"
+                       "[[material]]\nname = 'mirror'\nreflect = 0.5\n"
+                       "[[mesh]]\nname = 'far'\nfile = 'far.obj'\nmaterial = 'mirror'\n[[object]]\nmesh = 'far'\n")
+        scene = os.path.join(self.folder, "mirror.toml")
+
+        def told(done):
+            return sorted(line for line in done.stderr.decode().splitlines() if line.startswith(("plumb: not drawn: ", "plumb: warning: ")))
+
+        planned = self.run_plumb(0, "plan", scene, "--json")
+        lines = told(planned)
+        self.assertEqual(lines, told(self.run_plumb(0, "render", scene, "-o", "mirror.png")))
+        for words in ("not drawn: reflection and refraction", "float32 may move a vertex", "no area", "lines"):
+            self.assertTrue(any(words in line for line in lines), (words, lines))
+        report = json.loads(planned.stdout)
+        self.assertTrue(any("float32 may move" in sentence for sentence in report["accuracy"]["warnings"]), report["accuracy"])
+        self.assertEqual(told(self.run_plumb(0, "plan", scene, "-q")), [])
+        self.run_plumb(3, "plan", scene, "--strict")
+
     def test_refusals_are_one_line(self):
         for arguments, says in ((["--error", "0.4"], "is below the 0.5 steps that rounding to bytes costs"),
                                 (["--error", "0.2:rms"], "is below the 0.2887 steps"),

@@ -644,7 +644,7 @@ class Bench(Command):
         self.assertGreater(report["rows"][0]["feelers"], 10000)
 
     def test_refusals(self):
-        self.expect(2, "bench", "rater", says="accepted: raster, passes, matrix, claims, trace")
+        self.expect(2, "bench", "rater", says="accepted: raster, passes, matrix, claims, trace, plan")
         self.expect(2, "bench", "trace", "spheres7", says="is no row; accepted: spheres4")
         self.expect(2, "bench", "claims", "knot1e3", says="sphereN")
         self.expect(2, "bench", "raster", "sphere7", says="is no row")

@@ -59,6 +59,7 @@ REPORTS = [
     "plumb bench claims --repeat 3 -q",
     "plumb bench matrix 1e3 --repeat 3 -q",
     "plumb bench trace spheres4 --size 96x64 --repeat 3 -q",
+    "plumb bench plan scenes/suzanne.toml --size 64x48 --repeat 3 -q",
 ]
 NAMES = ("spirv", "work", "passes", "passes_ms", "passesMs", "counts", "over")
 # Flag, page, and the beginning of the lines on which its words stand; {} is the axis of AXIS=WORD.

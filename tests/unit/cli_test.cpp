@@ -143,7 +143,7 @@ TEST(Options, AreRefusedWithAReason) {
         {"render x -o a.png --check-time 1s", "--check-time goes with --error"},
         {"plan x --error 2 --shading wire", "a wire frame has no truth"},
         {"render x -o a.png --error 2 --stereo anaglyph", "the truth is that of one eye"},
-        {"bench", "needs raster|passes|matrix|claims|trace"},
+        {"bench", "needs raster|passes|matrix|claims|trace|plan"},
         {"render a.toml -o a.png --sampling middle", "accepted: grid, centre, random, corners, adaptive, notes"},
         {"render a.toml -o a.png --jitter reflect=0.6", "--jitter"},
         {"render a.toml -o a.png --jitter reflect", "reflect=X, refract=X, shadow=X"},
