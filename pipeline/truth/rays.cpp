@@ -492,14 +492,15 @@ private:
         }
         // What lies along the polygon is at least kLeastLean long.
         const V half = missing > 0 ? unitOf(image + g * missing) - d : image - d;
-        const double length = double(lengthOf(half));
+        const Real size = lengthOf(half);  // not rounded to binary64: the bounds of more bits do not count that
+        const double length = double(size);
         const double halfError = (imageError + missingError + s.geometricError) / kLeastLean + r.directionError + 8 * kUnit;
         if (std::abs(length - kShortestHalf) <= halfError) doubt(r.weight * brightest_);
         if (!(length > kShortestHalf)) {
             if (std::abs(double(missing)) <= missingError) doubt(r.weight * brightest_);
             return;
         }
-        s.bends = half * (1 / Real(length));
+        s.bends = half * (1 / size);
         s.bendsError = halfError / length + 8 * kUnit;
     }
 
