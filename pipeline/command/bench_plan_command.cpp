@@ -16,6 +16,7 @@
 #include "pipeline/scene/text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
