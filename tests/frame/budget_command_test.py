@@ -121,19 +121,20 @@ class Budgets(unittest.TestCase):
 
     def test_a_plan_states_what_is_proved(self):
         """Errors of the probe's pixels are never beyond what is proved of them; a choice without a proof says why."""
-        for scene, error, arguments, words in (("suzanne.toml", "0.6:rms", ("--shading", "phong"), ("specular=schlick", "normals=as-interpolated")),
-                                               ("mirrors.toml", "1:rms", (), ("max-depth=2", "max-depth=3"))):
-            done = self.run_plumb(0, "plan", scene, "--error", error, "--explain", *arguments, says="proved max, rms")
-            self.assertNotIn("Traceback", done.stderr.decode())
-            weighed = [one for one in self.report(0, "plan", scene, "--error", error, *arguments)["budget"]["weighed"] if one["probe"] is not None]
+        usual = {"specular": "exact", "light-vector": "pixel", "interpolation": "perspective", "normals": "normalised", "rate": "1"}
+        # Of a raster picture one choice each, because the order of several follows costs that are measured. Rays are counted.
+        cases = [("suzanne.toml", "255:rms", ("--shading", "phong", "--trade", ",".join(f"{axis}={word}" for axis, word in {**usual, **one}.items())),
+                  len(one)) for one in ({}, {"specular": "schlick"}, {"normals": "as-interpolated"})]
+        cases.append(("mirrors.toml", "1:rms", ("--min-weight", "0"), 2))
+        for scene, error, arguments, least in cases:
+            self.run_plumb(0, "plan", scene, "--error", error, "--explain", "--json=plan.json", *arguments, size="48x36", says="proved max, rms")
+            weighed = [one for one in json.loads(self.read("plan.json"))["budget"]["weighed"] if one["probe"] is not None]
+            self.assertGreaterEqual(sum(one["bound"]["rms"] is not None for one in weighed), least, weighed)
             for one in weighed:
-                self.assertTrue(one["bound"]["why"] is not None or one["bound"]["rms"] is not None, one)
+                self.assertNotEqual(one["bound"]["why"] is None, one["bound"]["rms"] is None, one)
                 for figure in ("max", "p99", "rms"):
                     if one["bound"][figure] is not None:
                         self.assertLessEqual(one["probe"][figure], one["bound"][figure] + 1e-4, one)
-            proved = [one["choices"] for one in weighed if one["bound"]["rms"] is not None]
-            self.assertTrue(any(word in choices for word in words for choices in proved), proved)
-            self.assertTrue(any(one["bound"]["why"] for one in weighed))
 
     def test_a_plan_says_what_render_says_of_the_scene(self):
         corners = "".join(f"v {100000000 + x} {y} 0\n" for x, y in ((0, 0), (100, 0), (0, 100)))
