@@ -5,6 +5,7 @@
 #include "pipeline/command/interrupt.h"
 #include "pipeline/command/report.h"
 #include "pipeline/planner/calibration.h"
+#include "pipeline/render/technique.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -132,7 +133,7 @@ void takeCosts(PlannerRequest& request, Renderer& renderer, const Options& optio
 }
 
 void tellLongPicture(const Options& options, const Scene& scene, const RenderRequest& request, Renderer& renderer) {
-    if (options.quiet || request.shading != Shading::ray || mostRaysOf(scene, request) < kFewRays) return;
+    if (options.quiet || !isTraced(request) || mostRaysOf(scene, request) < kFewRays) return;
     if (pilotMs(scene, request) < kLongMs / kTwinAtMost) return;
     PlannerRequest forecast;
     forecast.base = request;

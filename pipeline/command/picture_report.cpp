@@ -2,6 +2,7 @@
 #include "pipeline/command/picture_report.h"
 
 #include "pipeline/command/request.h"
+#include "pipeline/render/technique.h"
 #include "pipeline/scene/text.h"
 
 #include <fmt/format.h>
@@ -92,7 +93,7 @@ Json pictureJson(const Renderer& renderer, const Scene& scene, const std::vector
     json["options"] = {{"shading", nameOf(request.shading)}, {"fill", nameOf(request.fill)},
                        {"samples", request.samples},         {"encoding", nameOf(request.encoding)},
                        {"transparent", request.transparent}, {"viewer", request.distantViewer ? "distant" : "local"}};
-    if (request.shading == Shading::ray) json["options"]["rays"] = raysInWords(request.rays);
+    if (isTraced(request)) json["options"]["rays"] = raysInWords(request.rays);
     json["plan"] = planJson(result.plan);
     json["accuracy"] = accuracyJson(result.plan);
     json["time_ms"] = Json::object();  // filled when the picture is written

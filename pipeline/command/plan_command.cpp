@@ -45,7 +45,7 @@ Exit planCommand(const Options& options) {
     moved.addTo(accuracy);
     std::string text = choicesText(request, planned, options.explain);
     Json forecast;
-    if (base.shading == Shading::ray) {
+    if (isTraced(base)) {
         if (const std::string rays = raysText(planned); !rays.empty()) text += rays + "\n";
         PlannerRequest chosen = request;
         chosen.base = planned.chosen.request;

@@ -4,6 +4,7 @@
 #include "host/error.h"
 #include "pipeline/command/interrupt.h"
 #include "pipeline/library/open_scene.h"
+#include "pipeline/render/technique.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -60,7 +61,7 @@ void rayChoices(const Options& options, const Scene& scene, RenderRequest& reque
         {"--levels", options.cutLevels.has_value()},
         {"--max-depth", options.maxDepth.has_value()},
         {"--min-weight", options.minWeight.has_value()}};
-    const bool traced = request.shading == Shading::ray;
+    const bool traced = isTraced(request);
     for (const auto& [flag, given] : flags)
         if (given && !traced) throw usageError(fmt::format("{} goes with --shading ray", flag));
     request.rays = {};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/library/open_scene.h"
+#include "pipeline/render/technique.h"
 
 #include <fmt/core.h>
 #include <filesystem>
@@ -42,7 +43,7 @@ RenderRequest requestFor(const Scene& scene) {
     request.background = scene.background.value_or(request.background);
     request.maxDepth = scene.maxDepth;
     request.minWeight = float(scene.minWeight);
-    if (request.shading != Shading::ray) return request;
+    if (!isTraced(request)) return request;
     RayChoices& rays = request.rays;
     rays.sampling = scene.sampling.value_or(rays.sampling);
     rays.jitterReflect = float(scene.jitterReflect.value_or(0));

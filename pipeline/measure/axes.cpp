@@ -4,6 +4,7 @@
 #include "host/error.h"
 #include "pipeline/choices/choices.h"
 #include "pipeline/choices/trade.h"
+#include "pipeline/render/technique.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -156,7 +157,6 @@ const std::vector<Axis> kAxes = {
 
 }  // namespace
 
-bool isTraced(const RenderRequest& request) { return request.shading == Shading::ray; }
 bool hasTruth(const RenderRequest& request) { return request.shading != Shading::wire; }
 
 std::string wordsOf(const Setting& s) {

@@ -22,8 +22,6 @@ struct Setting {
     uint32_t segments = 0;  // of every generated shape; 0: as stated
 };
 
-// True when rays draw the picture.
-bool isTraced(const RenderRequest&);
 // True when the picture shows surfaces, so that there is a truth to hold it against. Wire frames are drawings.
 bool hasTruth(const RenderRequest&);
 

@@ -8,6 +8,7 @@
 #include "pipeline/measure/row_list.h"
 #include "pipeline/measure/truths.h"
 #include "pipeline/render/bounds/bound.h"
+#include "pipeline/render/technique.h"
 #include "pipeline/scene/sha256.h"
 
 #include <fmt/core.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/measure/row_list.h"
+#include "pipeline/render/technique.h"
 
 #include <cstddef>
 #include <string>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/measure/measure.h"
+#include "pipeline/render/technique.h"
 
 namespace plumb {
 

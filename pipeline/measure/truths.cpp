@@ -3,6 +3,7 @@
 
 #include "host/error.h"
 #include "pipeline/measure/row_list.h"
+#include "pipeline/render/technique.h"
 
 #include <algorithm>
 #include <utility>

@@ -92,7 +92,7 @@ std::vector<Axis> rayAxes(const Scene& scene, const RenderRequest& base, const P
 std::string wordsFor(const RenderRequest& request, bool samples) {
     std::string words = nameOf(request.shading);
     if (samples) words += fmt::format(", samples={}", request.samples);
-    if (request.shading == Shading::ray) {
+    if (isTraced(request)) {
         words += fmt::format(", max-depth={}", request.maxDepth);
         return words + (request.minWeight > 0 ? fmt::format(", min-weight=1/{:g}", 1 / double(request.minWeight)) : ", min-weight=0");
     }
@@ -110,7 +110,7 @@ std::vector<Candidate> candidatesOf(const Scene& scene, const RenderRequest& bas
     if (!technique.showsSurfaces()) throw usageError("--error and --time: a wire frame has no truth that a budget could be held against");
     if (base.fill == Fill::notes)
         throw usageError("--error and --time: --fill notes draws as the lecture notes do, and has nothing to choose; leave it out");
-    const bool traced = base.shading == Shading::ray;
+    const bool traced = isTraced(base);
     std::vector<Axis> axes = traced ? rayAxes(scene, base, pinned) : rasterAxes(scene, base, pinned);
     if (samples && !pinned.samples && base.rays.sampling != Sampling::corners && base.rays.sampling != Sampling::adaptive) {
         Axis counts;

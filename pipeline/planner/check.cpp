@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/planner/check.h"
 
+#include "pipeline/render/technique.h"
 #include "pipeline/truth/decided.h"
 
 #include <algorithm>
@@ -83,7 +84,7 @@ Checker::Checker(const Scene& scene, const RenderRequest& request, const CheckPl
     if (plan.sampled != 0 && plan.sampled < pixels) wanted_ = sampleOf(pixels, plan.sampled, plan.seed);
     checked_ = wanted_.empty() ? pixels : plan.sampled;
     request_.onProgress = std::move(progress);
-    if (request_.shading != Shading::ray) {
+    if (!isTraced(request_)) {
         request_.shading = Shading::phong;
         decided_ = decidedPixels(scene, request_, snapOf(request_));
     }

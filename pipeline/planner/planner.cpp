@@ -2,6 +2,7 @@
 #include "pipeline/planner/planner.h"
 
 #include "host/error.h"
+#include "pipeline/render/technique.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -124,7 +125,7 @@ private:
 
     // Pixels of the probes. Rays have few enough that all probes together follow about `probedRays` of them.
     uint64_t probePixels() const {
-        if (request_.base.shading != Shading::ray) return request_.probePixels;
+        if (!isTraced(request_.base)) return request_.probePixels;
         const auto deeper = [](const Candidate& a, const Candidate& b) {
             return std::pair(a.request.maxDepth, -a.request.minWeight) < std::pair(b.request.maxDepth, -b.request.minWeight);
         };
@@ -141,7 +142,7 @@ private:
 
     // Work of every candidate, and their order by cost. A raster picture of each shading follows from the counts of one; rays are counted.
     void takeCosts() {
-        const bool traced = request_.base.shading == Shading::ray;
+        const bool traced = isTraced(request_.base);
         const Counted counted = traced ? Counted{} : countedOnce();
         for (size_t i = 0; i < size(); ++i)
             weighed_[i].work =

@@ -4,6 +4,7 @@
 #include "pipeline/measure/error_bound.h"
 #include "pipeline/render/camera.h"
 #include "pipeline/render/render.h"
+#include "pipeline/render/technique.h"
 
 #include <algorithm>
 #include <cmath>
@@ -112,13 +113,13 @@ const Probe::Untraded& Probe::untraded(const RenderRequest& request) {
     RenderRequest plain = request;
     plain.planes |= kCheckedPlanes;
     found->second.frame = renderCpu(scene(), plain).frame;
-    if (request.shading == Shading::ray) found->second.rays = std::make_unique<const BoundOfRays>(scene(), plain);
+    if (isTraced(request)) found->second.rays = std::make_unique<const BoundOfRays>(scene(), plain);
     return found->second;
 }
 
 ProvedErrors Probe::provedOf(const Candidate& candidate, uint32_t truthSamples) {
     const RenderRequest request = smaller(candidate.request);
-    const bool traced = request.shading == Shading::ray;
+    const bool traced = isTraced(request);
     RenderRequest plain = request, truth = candidate.request;
     plain.trade = {};
     if (traced) plain.maxDepth = base_.maxDepth, plain.minWeight = base_.minWeight;

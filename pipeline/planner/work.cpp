@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/planner/work.h"
+#include "pipeline/render/technique.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -45,7 +46,7 @@ Work workOf(const Scene& scene, const RenderRequest& request, const Counted& cou
     Work work;
     work[Unit::picture] = 1;
     work[Unit::sample] = double(request.width) * request.height * sideOf(request) * sideOf(request);
-    if (request.shading == Shading::ray) {
+    if (isTraced(request)) {
         work[Unit::ray] = raysOf(counted.counters) * scale;
         return work;
     }

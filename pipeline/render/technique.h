@@ -83,6 +83,8 @@ struct Technique {
     bool showsSurfaces() const { return (planes & kPlanesOfSurfaces) == kPlanesOfSurfaces; }
 };
 
+// True when rays draw the picture.
+bool isTraced(const RenderRequest& request);
 // Technique of a request: the first of the table that draws it.
 const Technique& techniqueOf(const Scene& scene, const RenderRequest& request);
 // Throws, one sentence, for what no technique has, or not the technique of the request.

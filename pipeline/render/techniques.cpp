@@ -26,7 +26,7 @@ struct Row {
 
 // The first that draws a request is the one. Spheres stand before wire frames, which have none, because they say better what is missing.
 constexpr Row kTable[] = {
-    {kRays, [](const Scene&, const RenderRequest& r) { return r.shading == Shading::ray; }},
+    {kRays, [](const Scene&, const RenderRequest& r) { return isTraced(r); }},
     {kSpheres, [](const Scene& s, const RenderRequest& r) { return r.fill == Fill::notes && !s.spheres.empty() && s.planes.empty(); }},
     {kWire, [](const Scene&, const RenderRequest& r) { return r.shading == Shading::wire; }},
     {kPolygons, [](const Scene&, const RenderRequest& r) { return r.fill == Fill::notes; }},
@@ -47,6 +47,8 @@ void refuseSize(const RenderRequest& request) {
 }
 
 }  // namespace
+
+bool isTraced(const RenderRequest& request) { return request.shading == Shading::ray; }
 
 const Technique& techniqueOf(const Scene& scene, const RenderRequest& request) {
     return std::find_if(std::begin(kTable), std::end(kTable), [&](const Row& row) { return row.draws(scene, request); })->technique;

@@ -2,6 +2,7 @@
 #include "pipeline/stress/axes.h"
 
 #include "host/error.h"
+#include "pipeline/render/technique.h"
 #include "pipeline/scene/camera.h"
 #include "pipeline/scene/text.h"
 #include "pipeline/stress/move.h"
@@ -39,7 +40,6 @@ double radians(double degrees) { return degrees * kPi / 180; }
 double powerOfTwoIn(double x) { return std::exp2(std::floor(std::log2(x))); }
 glm::dvec3 signsOf(const glm::dvec3& v) { return {v.x < 0 ? -1 : 1, v.y < 0 ? -1 : 1, v.z < 0 ? -1 : 1}; }
 const Camera& cameraOf(const Picture& p) { return *p.scene.camera; }
-bool isTraced(const Picture& p) { return p.request.shading == Shading::ray; }
 
 std::string never(const Picture&) { return ""; }
 
@@ -166,7 +166,7 @@ double flattestAngle(const Picture& p) {
     return std::atan(std::tan(radians(kSeenAngle)) / factor) * 180 / kPi;
 }
 
-std::string withoutNear(const Picture& p) { return isTraced(p) ? "rays start at the eye, and no near plane cuts them" : ""; }
+std::string withoutNear(const Picture& p) { return isTraced(p.request) ? "rays start at the eye, and no near plane cuts them" : ""; }
 
 // --- surfaces and lights ----------------------------------------------------------------------------------------------------------------
 
@@ -239,7 +239,7 @@ void resize(Picture& p, double value) {
 }
 
 std::string withoutDepth(const Picture& p) {
-    if (!isTraced(p)) return "no ray is followed: the picture is not traced";
+    if (!isTraced(p.request)) return "no ray is followed: the picture is not traced";
     const std::vector<bool> used = usedMaterials(p.scene);
     for (size_t i = 0; i < used.size(); ++i)
         if (used[i] && (p.scene.materials[i].reflect > 0 || p.scene.materials[i].transmit > 0)) return "";

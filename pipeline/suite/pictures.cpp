@@ -82,9 +82,10 @@ void flat(RenderRequest& r) { r.shading = Shading::flat; }
 void gouraud(RenderRequest& r) { r.shading = Shading::gouraud; }
 void phong(RenderRequest& r) { r.shading = Shading::phong; }
 void rays(RenderRequest& r) { r.shading = Shading::ray; }
-void notesFlat(RenderRequest& r) { flat(r), r.fill = Fill::notes; }
-void notesGouraud(RenderRequest& r) { gouraud(r), r.fill = Fill::notes; }
-void notesPhong(RenderRequest& r) { phong(r), r.fill = Fill::notes; }
+void notes(RenderRequest& r) { r.fill = Fill::notes; }
+void notesFlat(RenderRequest& r) { flat(r), notes(r); }
+void notesGouraud(RenderRequest& r) { gouraud(r), notes(r); }
+void notesPhong(RenderRequest& r) { phong(r), notes(r); }
 void fourSamples(RenderRequest& r) { gouraud(r), r.samples = 4; }
 void nativeResolved(RenderRequest& r) { phong(r), r.samples = 4, r.trade.nativeEncode = true; }
 void nativePower(RenderRequest& r) { phong(r), r.trade.specular = Trade::Specular::native; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/render/bounds/bound_light.h"
 
+#include "pipeline/render/technique.h"
 #include "pipeline/scene/camera.h"
 
 #include <algorithm>
@@ -46,7 +47,7 @@ LitPoints::LitPoints(const Scene& scene, const RenderRequest& request) : camera_
     const double side = request.samples == 16 ? 4 : request.samples == 4 ? 2 : 1;
     focal_ = focalOf(camera_, side * request.height, side);
     near_ = nearOf(camera_);
-    traced_ = request.shading == Shading::ray;
+    traced_ = isTraced(request);
 }
 
 double LitPoints::aside(const Corners& p) const {
