@@ -29,7 +29,7 @@ constexpr int kLeastWords = 5;
 std::string sentenceOf(const std::string& refusal) {
     for (size_t at = 0; at < refusal.size();) {
         const size_t end = std::min(refusal.find(": ", at), refusal.size());
-        const std::string part = refusal.substr(at, end - at);
+        std::string part = refusal.substr(at, end - at);
         if (std::count(part.begin(), part.end(), ' ') + 1 >= kLeastWords) return part;
         at = end + 2;
     }
@@ -91,16 +91,16 @@ private:
     }
 
     struct Sides {
-        double within, not_;
-        Outcome outcome;  // of `not_`
+        double within, past;
+        Outcome outcome;  // of `past`
     };
     Sides bisect(Sides s) {
-        while (const auto middle = between(s.within, s.not_, s.outcome == Outcome::beyond ? kMarginFactor : kEndFactor)) {
+        while (const auto middle = between(s.within, s.past, s.outcome == Outcome::beyond ? kMarginFactor : kEndFactor)) {
             const Tried& tried = at(*middle);
             if (tried.outcome == Outcome::within)
                 s.within = *middle;
             else
-                s.not_ = *middle, s.outcome = tried.outcome;
+                s.past = *middle, s.outcome = tried.outcome;
         }
         return s;
     }
@@ -112,10 +112,10 @@ private:
             const std::optional<Sides> end = firstNotWithin(within);
             if (!end) return hold(reach_.value, reach_.why);
             const Sides sides = bisect(*end);
-            if (sides.outcome != Outcome::beyond) return hold(sides.within, reasonAt(sides.not_));
+            if (sides.outcome != Outcome::beyond) return hold(sides.within, reasonAt(sides.past));
             const std::optional<double> recovered = recoveredBeyond(sides.within);
             if (!recovered) return settle(sides);
-            out_.islands.push_back(sides.not_);
+            out_.islands.push_back(sides.past);
             within = *recovered;
         }
     }
@@ -158,11 +158,11 @@ private:
             for (const Tried& tried : out_.tried)
                 if (tried.outcome == Outcome::within && isHarder(value, tried.value)) mild = harderOf(mild, tried.value);
             sides = bisect({mild, value, Outcome::beyond});
-            if (sides.outcome != Outcome::beyond) return hold(sides.within, reasonAt(sides.not_));
+            if (sides.outcome != Outcome::beyond) return hold(sides.within, reasonAt(sides.past));
         }
         out_.end = End::breaks;
         out_.margin = sides.within;
-        out_.beyond = sides.not_;
+        out_.beyond = sides.past;
         std::erase_if(out_.islands, [&](double island) { return !isHarder(out_.margin, island); });
     }
 
@@ -203,7 +203,7 @@ private:
         const Sides sides = bisect({value, beyond, Outcome::beyond});
         out_.end = End::passed;
         out_.margin = sides.within;
-        out_.beyond = sides.not_;
+        out_.beyond = sides.past;
     }
 
     Evaluator& evaluator_;
