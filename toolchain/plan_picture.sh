@@ -5,15 +5,8 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-plumb=${1:-}
-if [ -z "$plumb" ]; then
-  plumb_install demo test
-  plumb_build release plumb
-  plumb=$plumb_root/build/release/plumb
-else
-  plumb=$(realpath "$plumb")
-  shift
-fi
+plumb_command "${1:-}"
+[ $# -eq 0 ] || shift
 [ $# -gt 0 ] || set -- --size 320x240
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -5,12 +5,7 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-plumb=${1:-}
-if [ -z "$plumb" ]; then
-  plumb_install demo test
-  plumb_build release plumb
-  plumb=$plumb_root/build/release/plumb
-fi
+plumb_command "${1:-}"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$plumb" measure "$plumb_root/scenes/suzanne.toml" --size 640x480 -o "$folder/report.html"

@@ -102,3 +102,14 @@ plumb_build() {
   plumb_say "building $preset"
   NINJA_STATUS="[$preset %f/%t %es] " cmake --build "$build" --parallel "$plumb_jobs" ${1:+--target "$@"} >&2
 }
+
+# Sets `plumb` to the path of the command: that of the caller where one is given, else of the release build, which is made.
+plumb_command() {
+  if [ -n "${1:-}" ]; then
+    plumb=$(realpath "$1")
+    return
+  fi
+  plumb_install demo test
+  plumb_build release plumb
+  plumb=$plumb_root/build/release/plumb
+}

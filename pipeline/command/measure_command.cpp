@@ -8,6 +8,7 @@
 #include "pipeline/command/report.h"
 #include "pipeline/command/request.h"
 #include "pipeline/command/viewed_scene.h"
+#include "pipeline/command/warnings.h"
 #include "pipeline/image/file_batch.h"
 #include "pipeline/image/image.h"
 #include "pipeline/measure/measure.h"

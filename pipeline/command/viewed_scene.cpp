@@ -4,7 +4,6 @@
 #include "host/error.h"
 #include "pipeline/command/request.h"
 #include "pipeline/library/open_scene.h"
-#include "pipeline/render/bounds/vertex_error.h"
 
 #include <fmt/core.h>
 
@@ -29,13 +28,6 @@ ViewedScene loadOneView(const Options& options, Progress& progress, const char* 
     viewed.scene.camera = viewed.views[0].camera;
     viewed.scene.lights = viewed.views[0].lights;
     return viewed;
-}
-
-void warnOfMovedVertices(const Options& options, Scene& scene, const RenderRequest& request) {
-    for (const VertexError& error : vertexErrors(scene, request)) {
-        scene.warnings.push_back(sentenceOf(scene, error));
-        say(options, fmt::format("plumb: warning: {}", scene.warnings.back()));
-    }
 }
 
 }  // namespace plumb

@@ -6,7 +6,6 @@
 #include "pipeline/cli/progress.h"
 #include "pipeline/command/report.h"
 #include "pipeline/command/views.h"
-#include "pipeline/render/render.h"
 #include "pipeline/scene/load.h"
 #include "pipeline/scene/scene.h"
 
@@ -27,8 +26,5 @@ ViewedScene loadViews(const Options&, Progress&);
 // loadViews() for a command that draws one picture: the scene has the camera and the lights of its only view. Throws Error(usage) where --view
 // is given more than once; `command`: its name, which begins the sentence.
 ViewedScene loadOneView(const Options&, Progress&, const char* command);
-
-// Vertices that float32 moves too far: among the warnings of the scene, and said on standard error.
-void warnOfMovedVertices(const Options&, Scene&, const RenderRequest&);
 
 }  // namespace plumb

@@ -23,6 +23,13 @@ void tellLeftToRays(const Options& options, const Scene& scene, const RenderRequ
     say(options, fmt::format("plumb: not drawn: reflection and refraction: {}; only --shading ray traces them", asked));
 }
 
+void warnOfMovedVertices(const Options& options, Scene& scene, const RenderRequest& request) {
+    for (const VertexError& error : vertexErrors(scene, request)) {
+        scene.warnings.push_back(sentenceOf(scene, error));
+        say(options, fmt::format("plumb: warning: {}", scene.warnings.back()));
+    }
+}
+
 void MovedVertices::tell(const Scene& scene, const RenderRequest& request, Json& sceneReport) {
     accuracy_ = Json::array();
     for (const VertexError& error : vertexErrors(scene, request)) {

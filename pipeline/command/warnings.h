@@ -17,6 +17,9 @@ void tellScene(const Options& options, const Scene& scene);
 // What only rays would show of the scene. Throws Error(input) with --strict.
 void tellLeftToRays(const Options& options, const Scene& scene, const RenderRequest& request);
 
+// Vertices that float32 moves too far: among the warnings of the scene, and said on standard error.
+void warnOfMovedVertices(const Options& options, Scene& scene, const RenderRequest& request);
+
 // Warnings of moved vertices: in the JSON of each view, on standard error once an object.
 class MovedVertices {
 public:

@@ -162,11 +162,14 @@ struct Figures {
     uint64_t pixels;
     std::vector<uint32_t> rgba;
 };
-Figures drawn(const Picture& p) {
+Frame frameOf(const Picture& p) {
     RenderRequest request = p.request;
     request.planes |= kCheckedPlanes;
-    const Frame frame = renderCpu(p.scene, request).frame;
-    const FrameError error = errorOf(frame, truthOf(p.scene, request), request.encoding, false);
+    return renderCpu(p.scene, request).frame;
+}
+Figures drawn(const Picture& p) {
+    const Frame frame = frameOf(p);
+    const FrameError error = errorOf(frame, truthOf(p.scene, p.request), p.request.encoding, false);
     return {error.pixels, frame.rgba};
 }
 
@@ -214,9 +217,7 @@ TEST(Moves, ALayerCoversThePixelsOfTheScene) {
     const Figures before = drawn(picture);
     Picture moved = picture;
     rowsOf({"gap"})[0]->move(moved, 0.25);
-    RenderRequest request = moved.request;
-    request.planes |= kCheckedPlanes;
-    const Frame frame = renderCpu(moved.scene, request).frame;
+    const Frame frame = frameOf(moved);
     uint64_t layer = 0, first = 0;
     for (const uint32_t object : frame.object) layer += object == 1, first += object == 0;
     EXPECT_EQ(first, 0u);
@@ -228,12 +229,7 @@ TEST(Moves, AFlatterAngleKeepsEachVertexOnItsPixel) {
     const Figures before = drawn(picture);
     Picture moved = picture;
     rowsOf({"grazing"})[0]->move(moved, 1);
-    RenderRequest request = moved.request;
-    request.planes |= kCheckedPlanes;
-    const Frame frame = renderCpu(moved.scene, request).frame;
-    RenderRequest plain = picture.request;
-    plain.planes |= kCheckedPlanes;
-    const Frame old = renderCpu(picture.scene, plain).frame;
+    const Frame frame = frameOf(moved), old = frameOf(picture);
     uint64_t other = 0;
     for (size_t i = 0; i < old.primitive.size(); ++i) other += old.primitive[i] != frame.primitive[i];
     EXPECT_LE(other, before.pixels / 100);
